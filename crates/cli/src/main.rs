@@ -1,0 +1,2 @@
+//! The pneuflex command line program.
+fn main() {}

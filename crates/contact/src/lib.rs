@@ -1,0 +1,1 @@
+//! Frictionless penalty contact between facing surfaces.

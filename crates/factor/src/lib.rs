@@ -1,0 +1,1 @@
+//! Sparse symmetric direct solvers for node-blocked matrices.

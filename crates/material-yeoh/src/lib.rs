@@ -1,0 +1,1 @@
+//! Yeoh hyperelasticity: energy, stress, tangent.

@@ -1,0 +1,1 @@
+//! Meshes: shape functions, quadrature, named sets and the parametric actuator.

@@ -1,0 +1,1 @@
+//! The problem as plain data: case file, material, loads, contact, supports.

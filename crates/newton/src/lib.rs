@@ -1,0 +1,1 @@
+//! Newton-Raphson with mixed linearisation, rotation-aware increments and load stepping.

@@ -1,0 +1,1 @@
+//! Derived quantities and field output.

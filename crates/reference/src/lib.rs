@@ -1,0 +1,1 @@
+//! A naive dense solver that cross-checks the production path.
