@@ -1,1 +1,22 @@
-//! Meshes: shape functions, quadrature, named sets and the parametric actuator.
+//! Meshes of solid finite elements: element families with their shape functions and quadrature,
+//! named node and facet sets, and the parametric soft actuator.
+//!
+//! This crate knows geometry only: no material, no load, no solver. Lengths are in mm.
+//!
+//! * [`element`]: element families, node numbering, faces.
+//! * [`shape`]: shape functions and their gradients on reference elements and faces.
+//! * [`quadrature`]: Gauss rules.
+//! * [`mesh`]: the [`Mesh`] itself.
+//! * [`lattice`]: structured hexahedra on a tensor-product grid from which cells are left out.
+//! * [`actuator`]: the parametric actuator built on such a lattice.
+
+pub mod actuator;
+pub mod element;
+pub mod lattice;
+pub mod mesh;
+pub mod quadrature;
+pub mod shape;
+
+pub use actuator::{Actuator, Channel, GeometryError, MeshSize, Part, build_actuator};
+pub use element::{ElementKind, FaceKind};
+pub use mesh::{Facet, Mesh};

@@ -1,0 +1,506 @@
+//! The parametric soft actuator of theory §1: a row of chambers on a continuous base.
+//!
+//! ```text
+//!   z                chamber 1        chamber 2
+//!   H ─          ┌──────────────┐  ┌──────────────┐   ── top wall
+//!                │ ┌──────────┐ │  │ ┌──────────┐ │
+//!                │ │ cavity 1 │ │  │ │ cavity 2 │ │   walls between cavity and gap:
+//!                │ │          │ │  │ │          │ │   (chamber_length − cavity_length)/2
+//!   base ─ ┌─────┘ └──┐    ┌──┘ └──┘ └──┐    ┌──┘ └─────┐
+//!          │ flange   └────┘  channel   └────┘   flange │
+//!   0 ──── └────────────────────────────────────────────┘ ── x
+//! ```
+//!
+//! Sets of the generated mesh: node sets `clamp` (x = 0), `symmetry` (y = 0, half models only), `bottom_centreline`
+//! (y = z = 0), `end_face` (x = L, z ≤ base); facet sets `cavity` (all faces that feel the air), `gap_i_left` and
+//! `gap_i_right` (the wall of chamber i and of chamber i + 1 that face each other, i from 1), `bottom` (z = 0),
+//! `end_face` and `clamp`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::element::ElementKind;
+use crate::lattice::{Lattice, Neighbour};
+use crate::mesh::{Facet, Mesh};
+
+/// Lengths of the actuator, mm; symbols of the paper in brackets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Actuator {
+    /// Number of chambers \[N\].
+    pub chambers: usize,
+    /// Outer length of one chamber \[t2\].
+    pub chamber_length: f64,
+    /// Length of one cavity \[t3\].
+    pub cavity_length: f64,
+    /// Gap between neighbouring chambers \[t1\].
+    pub gap: f64,
+    /// Length of the flange at either end; 0 for none.
+    pub flange: f64,
+    /// Whole width \[W\].
+    pub width: f64,
+    /// Whole height \[H\].
+    pub height: f64,
+    /// Thickness of the continuous base \[t\].
+    pub base: f64,
+    /// Height of the cavities' floor; `None` for the top of the base.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cavity_floor: Option<f64>,
+    /// Thickness of the side walls.
+    pub side_wall: f64,
+    /// Thickness of the walls above the cavities.
+    pub top_wall: f64,
+    /// The air channel that connects the cavities.
+    pub channel: Channel,
+    /// Which part of the body is modelled.
+    #[serde(default)]
+    pub part: Part,
+}
+
+/// Cross-section of the air channel in the base, mm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channel {
+    /// Half of its width; 0 for no channel.
+    pub half_width: f64,
+    /// Height of its floor.
+    pub bottom: f64,
+    /// Height of its roof under the gaps and the end walls.
+    pub top: f64,
+}
+
+/// Which part of the symmetric body is modelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// y ≥ 0, with `u_y = 0` on the plane y = 0.
+    #[default]
+    Half,
+    /// Both sides of the symmetry plane.
+    Whole,
+}
+
+/// How fine a lattice is: target element size per direction and the least number of elements through a thin wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshSize {
+    /// Largest element edge along x, y, z, mm.
+    pub size: [f64; 3],
+    /// Least number of elements through end, side and top walls.
+    pub wall_elements: usize,
+}
+
+/// A length that makes no body, or none that can be meshed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} = {value} is out of range: {allowed}")]
+pub struct GeometryError {
+    /// The key, as written in the case file's `[actuator]` table.
+    pub key: &'static str,
+    /// The offending value.
+    pub value: f64,
+    /// What would be allowed.
+    pub allowed: String,
+}
+
+/// Interval between two neighbouring break planes of the geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Interval {
+    start: f64,
+    end: f64,
+    is_wall: bool,
+}
+
+/// What fills a point of the actuator's bounding box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Region {
+    Solid,
+    Air,
+    Gap(usize),
+    Outside,
+}
+
+impl Actuator {
+    /// The paper's two-chamber piece (theory §1): half model, 1268 mm³.
+    pub fn two_chambers() -> Self {
+        Self {
+            chambers: 2,
+            chamber_length: 8.0,
+            cavity_length: 6.0,
+            gap: 2.0,
+            flange: 0.0,
+            width: 20.0,
+            height: 13.0,
+            base: 4.0,
+            cavity_floor: None,
+            side_wall: 1.0,
+            top_wall: 1.0,
+            channel: Channel { half_width: 1.0, bottom: 2.0, top: 3.0 },
+            part: Part::Half,
+        }
+    }
+
+    /// The paper's full actuator (theory §1): eight chambers and two flanges, half model, 5460 mm³.
+    pub fn full() -> Self {
+        Self { chambers: 8, flange: 2.0, ..Self::two_chambers() }
+    }
+
+    /// Whole length L, mm.
+    pub fn length(&self) -> f64 {
+        let n = self.chambers as f64;
+        2.0 * self.flange + n * self.chamber_length + (n - 1.0) * self.gap
+    }
+
+    /// Height of the cavities' floor, mm.
+    pub fn floor(&self) -> f64 {
+        self.cavity_floor.unwrap_or(self.base)
+    }
+
+    /// Thickness of the walls that close a cavity along x, mm.
+    pub fn end_wall(&self) -> f64 {
+        0.5 * (self.chamber_length - self.cavity_length)
+    }
+
+    /// Checks that the lengths make a body.
+    ///
+    /// # Errors
+    /// The first key whose value is not finite or lies outside what the other lengths allow.
+    pub fn validate(&self) -> Result<(), GeometryError> {
+        let check = |key, value: f64, low: f64, high: f64, strict_low: bool| {
+            let above = if strict_low { value > low } else { value >= low };
+            if value.is_finite() && above && value < high {
+                return Ok(());
+            }
+            let relation = if strict_low { "greater than" } else { "at least" };
+            let mut allowed = format!("must be {relation} {low}");
+            if high.is_finite() {
+                allowed += &format!(" and less than {high}");
+            }
+            Err(GeometryError { key, value, allowed: allowed + " mm" })
+        };
+        const NO_LIMIT: f64 = f64::INFINITY;
+        if !(1..=10_000).contains(&self.chambers) {
+            return Err(GeometryError {
+                key: "chambers",
+                value: self.chambers as f64,
+                allowed: "must be from 1 to 10000".into(),
+            });
+        }
+        check("chamber_length", self.chamber_length, 0.0, NO_LIMIT, true)?;
+        check("cavity_length", self.cavity_length, 0.0, self.chamber_length, true)?;
+        check("gap", self.gap, 0.0, NO_LIMIT, true)?;
+        check("flange", self.flange, 0.0, NO_LIMIT, false)?;
+        check("width", self.width, 0.0, NO_LIMIT, true)?;
+        check("height", self.height, 0.0, NO_LIMIT, true)?;
+        check("base", self.base, 0.0, self.height, true)?;
+        check("side_wall", self.side_wall, 0.0, 0.5 * self.width, true)?;
+        check("top_wall", self.top_wall, 0.0, self.height - self.base, true)?;
+        if let Some(floor) = self.cavity_floor {
+            check("cavity_floor", floor, 0.0, self.height - self.top_wall, true)?;
+        }
+        check("channel.half_width", self.channel.half_width, 0.0, 0.5 * self.width - self.side_wall, false)?;
+        if self.channel.half_width > 0.0 {
+            check("channel.bottom", self.channel.bottom, 0.0, self.base, true)?;
+            check("channel.top", self.channel.top, self.channel.bottom, self.base, true)?;
+        }
+        Ok(())
+    }
+
+    /// Start of chamber `i` (from 0) along x.
+    fn chamber_start(&self, i: usize) -> f64 {
+        self.flange + i as f64 * (self.chamber_length + self.gap)
+    }
+
+    /// Intervals between the break planes along x, y, z.
+    fn intervals(&self) -> [Vec<Interval>; 3] {
+        let wall = self.end_wall();
+        let mut x = vec![(0.0, false)];
+        for i in 0..self.chambers {
+            let start = self.chamber_start(i);
+            x.push((start, false));
+            x.push((start + wall, true));
+            x.push((start + wall + self.cavity_length, false));
+            x.push((start + self.chamber_length, true));
+        }
+        x.push((self.length(), false));
+
+        let half = 0.5 * self.width;
+        let mut y = vec![(0.0, false), (self.channel.half_width, false), (half - self.side_wall, false), (half, true)];
+        if self.part == Part::Whole {
+            let mirrored: Vec<_> = y.windows(2).rev().map(|w| (-w[0].0, w[1].1)).collect();
+            y = std::iter::once((-half, false)).chain(mirrored).chain(y.into_iter().skip(1)).collect();
+        }
+
+        let mut z = vec![(0.0, false), (self.base, false), (self.floor(), false)];
+        if self.channel.half_width > 0.0 {
+            z.extend([(self.channel.bottom, false), (self.channel.top, false)]);
+        }
+        z.extend([(self.height - self.top_wall, false), (self.height, true)]);
+        z.sort_by(|a, b| a.0.total_cmp(&b.0));
+        [x, y, z].map(|planes| to_intervals(&planes, 1e-9 * self.length().max(self.width).max(self.height)))
+    }
+
+    fn region(&self, [x, y, z]: [f64; 3]) -> Region {
+        let pitch = self.chamber_length + self.gap;
+        let index = ((x - self.flange) / pitch).floor();
+        let in_row = index >= 0.0 && index < self.chambers as f64;
+        let offset = x - self.flange - index * pitch;
+        let in_chamber = in_row && offset < self.chamber_length;
+        let wall = self.end_wall();
+        let along_cavity = in_chamber && offset > wall && offset < wall + self.cavity_length;
+        let inner_width = y.abs() < 0.5 * self.width - self.side_wall;
+        let channel_width = y.abs() < self.channel.half_width;
+        let first = self.flange + wall;
+        let last = self.length() - first;
+
+        if along_cavity && inner_width && z > self.floor() && z < self.height - self.top_wall {
+            return Region::Air;
+        }
+        if channel_width && x > first && x < last && z > self.channel.bottom {
+            let roof = if along_cavity { self.floor().max(self.channel.top) } else { self.channel.top };
+            if z < roof {
+                return Region::Air;
+            }
+        }
+        if z < self.base || in_chamber {
+            Region::Solid
+        } else if in_row && index + 1.0 < self.chambers as f64 {
+            Region::Gap(index as usize)
+        } else {
+            Region::Outside
+        }
+    }
+
+    /// Estimated number of elements for a given size, without building anything; exact up to rounding of the solid share.
+    pub fn estimate_elements(&self, size: &MeshSize) -> f64 {
+        let intervals = self.intervals();
+        let mut solid = 0.0;
+        let counts: [Vec<f64>; 3] = std::array::from_fn(|d| {
+            intervals[d].iter().map(|i| cells_in(i, size.size[d], size.wall_elements)).collect()
+        });
+        // Summing over blocks of the geometry is cheap: their number does not depend on the element size.
+        for (a, ix) in intervals[0].iter().enumerate() {
+            for (b, iy) in intervals[1].iter().enumerate() {
+                for (c, iz) in intervals[2].iter().enumerate() {
+                    let centre = [ix, iy, iz].map(|i| 0.5 * (i.start + i.end));
+                    if self.region(centre) == Region::Solid {
+                        solid += counts[0][a] * counts[1][b] * counts[2][c];
+                    }
+                }
+            }
+        }
+        solid
+    }
+}
+
+fn cells_in(interval: &Interval, size: f64, wall_elements: usize) -> f64 {
+    let least = if interval.is_wall { wall_elements.max(1) as f64 } else { 1.0 };
+    // The small allowance keeps 6 mm at 0.1 mm from becoming 61 elements by rounding.
+    ((interval.end - interval.start) / size - 1e-9).ceil().max(least)
+}
+
+/// Turns break planes (position, whether the interval that ends here is a wall) into non-empty intervals.
+fn to_intervals(planes: &[(f64, bool)], tolerance: f64) -> Vec<Interval> {
+    let mut intervals: Vec<Interval> = Vec::new();
+    let mut start = planes[0].0;
+    for &(end, is_wall) in &planes[1..] {
+        if end - start > tolerance {
+            intervals.push(Interval { start, end, is_wall });
+            start = end;
+        }
+    }
+    intervals
+}
+
+/// Builds the mesh of the actuator with all its named sets (see the module's text).
+///
+/// # Errors
+/// A length out of range, see [`Actuator::validate`].
+///
+/// # Panics
+/// If `kind` is not a hexahedron, or a size is not positive: callers check their options first.
+pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -> Result<Mesh, GeometryError> {
+    actuator.validate()?;
+    let intervals = actuator.intervals();
+    let lines: [Vec<f64>; 3] = std::array::from_fn(|d| {
+        let mut line = vec![intervals[d][0].start];
+        for interval in &intervals[d] {
+            let n = cells_in(interval, size.size[d], size.wall_elements) as usize;
+            let length = interval.end - interval.start;
+            line.extend((1..n).map(|i| interval.start + length * i as f64 / n as f64));
+            line.push(interval.end);
+        }
+        line
+    });
+    let lattice = Lattice { lines };
+    let mut built = lattice.mesh(kind, |cell| actuator.region(lattice.centre(cell)) == Region::Solid);
+
+    let mut facet_sets: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
+    let last = lattice.num_cells()[0] - 1;
+    for (facet, neighbour) in built.boundary() {
+        let cell = built.cells[facet.element as usize];
+        let name = match (neighbour, facet.face) {
+            (Neighbour::Void(void), face) => match actuator.region(lattice.centre(void)) {
+                Region::Air => "cavity".into(),
+                // The wall at the gap's low end looks along +x and belongs to the left chamber.
+                Region::Gap(i) if face == 1 => format!("gap_{}_left", i + 1),
+                Region::Gap(i) if face == 0 => format!("gap_{}_right", i + 1),
+                _ => continue,
+            },
+            (Neighbour::Outside, 0) => "clamp".into(),
+            (Neighbour::Outside, 1) if cell[0] == last && lattice.centre(cell)[2] < actuator.base => "end_face".into(),
+            (Neighbour::Outside, 4) => "bottom".into(),
+            _ => continue,
+        };
+        facet_sets.entry(name).or_default().push(facet);
+    }
+
+    let mesh = &mut built.mesh;
+    let length = actuator.length();
+    let tolerance = 1e-9 * length;
+    let near = |a: f64, b: f64| (a - b).abs() <= tolerance;
+    let mut node_sets = BTreeMap::from([
+        ("clamp".to_owned(), mesh.select_nodes(|x| near(x[0], 0.0))),
+        ("bottom_centreline".to_owned(), mesh.select_nodes(|x| near(x[1], 0.0) && near(x[2], 0.0))),
+        ("end_face".to_owned(), mesh.select_nodes(|x| near(x[0], length) && x[2] <= actuator.base + tolerance)),
+    ]);
+    if actuator.part == Part::Half {
+        node_sets.insert("symmetry".to_owned(), mesh.select_nodes(|x| near(x[1], 0.0)));
+    }
+    mesh.node_sets = node_sets;
+    mesh.facet_sets = facet_sets;
+    Ok(built.mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{quadrature, shape};
+
+    const KINDS: [ElementKind; 3] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27];
+
+    fn size(h: f64) -> MeshSize {
+        MeshSize { size: [h; 3], wall_elements: 1 }
+    }
+
+    /// Volume enclosed by a facet set and the planes that cut it: ∮ x n_x dS over the facets.
+    fn signed_volume(mesh: &Mesh, set: &str) -> f64 {
+        let mut volume = 0.0;
+        for &facet in mesh.facet_set(set) {
+            let nodes = mesh.facet_nodes(facet);
+            for (xi, w) in quadrature::face(mesh.face_kind()) {
+                let shape = shape::evaluate_face(mesh.face_kind(), xi);
+                let mut point = [0.0; 3];
+                let mut tangent = [[0.0; 3]; 2];
+                for (i, &n) in nodes.iter().enumerate() {
+                    for d in 0..3 {
+                        point[d] += shape.values[i] * mesh.nodes[n as usize][d];
+                        for a in 0..2 {
+                            tangent[a][d] += shape.gradients[i][a] * mesh.nodes[n as usize][d];
+                        }
+                    }
+                }
+                volume += w * point[0] * (tangent[0][1] * tangent[1][2] - tangent[0][2] * tangent[1][1]);
+            }
+        }
+        volume
+    }
+
+    #[test]
+    fn default_half_models_have_the_volumes_of_the_theory() {
+        for kind in KINDS {
+            for h in [1.0, 2.0, 4.5] {
+                let two = build_actuator(&Actuator::two_chambers(), &size(h), kind).unwrap();
+                assert!((two.volume() - 1268.0).abs() < 1e-8, "{kind:?} at {h}: {}", two.volume());
+                let full = build_actuator(&Actuator::full(), &size(h), kind).unwrap();
+                assert!((full.volume() - 5460.0).abs() < 1e-8, "{kind:?} at {h}: {}", full.volume());
+            }
+        }
+    }
+
+    #[test]
+    fn whole_model_is_twice_the_half() {
+        let whole = Actuator { part: Part::Whole, ..Actuator::two_chambers() };
+        let mesh = build_actuator(&whole, &size(1.0), ElementKind::Hex8).unwrap();
+        assert!((mesh.volume() - 2536.0).abs() < 1e-9);
+        assert!(mesh.node_set("symmetry").is_empty());
+        let half = build_actuator(&Actuator::two_chambers(), &size(1.0), ElementKind::Hex8).unwrap();
+        assert_eq!(mesh.num_elements(), 2 * half.num_elements());
+    }
+
+    #[test]
+    fn cavity_facets_enclose_the_air() {
+        // Facet normals point out of the solid, into the air: the sum has the opposite sign of the air volume.
+        let mesh = build_actuator(&Actuator::two_chambers(), &size(1.0), ElementKind::Hex20).unwrap();
+        let air = 2.0 * 6.0 * 9.0 * 8.0 + 16.0 + 12.0;
+        assert!((signed_volume(&mesh, "cavity") + air).abs() < 1e-9);
+    }
+
+    #[test]
+    fn walls_of_every_gap_face_each_other() {
+        let mesh = build_actuator(&Actuator::full(), &size(1.0), ElementKind::Hex8).unwrap();
+        let actuator = Actuator::full();
+        for i in 1..actuator.chambers {
+            for (side, x) in [("left", 0.0), ("right", actuator.gap)] {
+                let facets = mesh.facet_set(&format!("gap_{i}_{side}"));
+                assert_eq!(facets.len(), 10 * 9);
+                let plane = actuator.chamber_start(i - 1) + actuator.chamber_length + x;
+                for &facet in facets {
+                    for n in mesh.facet_nodes(facet) {
+                        assert!((mesh.nodes[n as usize][0] - plane).abs() < 1e-12);
+                    }
+                }
+            }
+        }
+        assert!(mesh.facet_set("gap_8_left").is_empty());
+    }
+
+    #[test]
+    fn deeper_cavity_floor_takes_its_volume_from_the_base() {
+        let deep = Actuator { cavity_floor: Some(2.0), ..Actuator::two_chambers() };
+        let mesh = build_actuator(&deep, &size(1.0), ElementKind::Hex8).unwrap();
+        // 2 mm × 6 mm × 9 mm more air per chamber, less the part of the channel that was already there.
+        assert!((mesh.volume() - (1268.0 - 2.0 * (6.0 * 9.0 * 2.0 - 12.0))).abs() < 1e-9);
+    }
+
+    #[test]
+    fn named_node_sets_lie_where_they_should() {
+        let mesh = build_actuator(&Actuator::full(), &size(1.0), ElementKind::Hex8).unwrap();
+        assert_eq!(mesh.node_set("clamp").len(), 11 * 5);
+        assert_eq!(mesh.node_set("bottom_centreline").len(), 83);
+        assert_eq!(mesh.node_set("end_face").len(), 11 * 5);
+        assert_eq!(mesh.facet_set("bottom").len(), 82 * 10);
+        assert!(mesh.node_set("symmetry").iter().all(|&n| mesh.nodes[n as usize][1] == 0.0));
+        let estimate = Actuator::full().estimate_elements(&size(1.0));
+        assert_eq!(estimate as usize, mesh.num_elements());
+    }
+
+    #[test]
+    fn wall_elements_refine_walls_only() {
+        let fine = MeshSize { size: [2.0; 3], wall_elements: 2 };
+        let mesh = build_actuator(&Actuator::two_chambers(), &fine, ElementKind::Hex8).unwrap();
+        assert!((mesh.volume() - 1268.0).abs() < 1e-9);
+        assert!(mesh.select_nodes(|x| (x[0] - 0.5).abs() < 1e-12).len() > 10);
+        assert!(mesh.select_nodes(|x| (x[0] - 1.5).abs() < 1e-12).is_empty());
+    }
+
+    #[test]
+    fn impossible_lengths_are_named() {
+        type Change = fn(&mut Actuator);
+        let cases: [(&str, Change); 9] = [
+            ("chambers", |a| a.chambers = 0),
+            ("cavity_length", |a| a.cavity_length = 8.0),
+            ("gap", |a| a.gap = -1.0),
+            ("base", |a| a.base = f64::NAN),
+            ("side_wall", |a| a.side_wall = 10.0),
+            ("top_wall", |a| a.top_wall = 9.5),
+            ("cavity_floor", |a| a.cavity_floor = Some(12.5)),
+            ("channel.half_width", |a| a.channel.half_width = 9.5),
+            ("channel.top", |a| a.channel.top = 1.0),
+        ];
+        for (key, change) in cases {
+            let mut actuator = Actuator::two_chambers();
+            change(&mut actuator);
+            assert_eq!(actuator.validate().unwrap_err().key, key);
+        }
+    }
+}

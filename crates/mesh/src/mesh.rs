@@ -1,0 +1,153 @@
+//! The mesh: nodes, elements of one family, named sets.
+
+use std::collections::BTreeMap;
+
+use crate::element::{ElementKind, FaceKind};
+use crate::{quadrature, shape};
+
+/// One face of one element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Facet {
+    /// Element number.
+    pub element: u32,
+    /// Local face number, see [`ElementKind::face_nodes`].
+    pub face: u8,
+}
+
+/// Nodes and elements of one family, with named sets of nodes and facets.
+///
+/// Sets are kept in name order and their members in ascending order, so that nothing depends on insertion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Element family of all elements.
+    pub kind: ElementKind,
+    /// Reference position of every node, mm.
+    pub nodes: Vec<[f64; 3]>,
+    /// Node numbers, `kind.num_nodes()` per element.
+    pub connectivity: Vec<u32>,
+    /// Named node sets.
+    pub node_sets: BTreeMap<String, Vec<u32>>,
+    /// Named facet sets; a facet's normal points out of the solid.
+    pub facet_sets: BTreeMap<String, Vec<Facet>>,
+}
+
+impl Mesh {
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of elements.
+    pub fn num_elements(&self) -> usize {
+        self.connectivity.len() / self.kind.num_nodes()
+    }
+
+    /// Node numbers of element `element`.
+    ///
+    /// # Panics
+    /// If `element >= self.num_elements()`.
+    pub fn element(&self, element: usize) -> &[u32] {
+        let n = self.kind.num_nodes();
+        &self.connectivity[element * n..(element + 1) * n]
+    }
+
+    /// Node numbers of a facet, oriented so that `r_ξ × r_η` points out of the solid.
+    pub fn facet_nodes(&self, facet: Facet) -> Vec<u32> {
+        let element = self.element(facet.element as usize);
+        self.kind.face_nodes(facet.face as usize).iter().map(|&local| element[local]).collect()
+    }
+
+    /// Family of the mesh's faces.
+    pub fn face_kind(&self) -> FaceKind {
+        self.kind.face_kind()
+    }
+
+    /// Nodes of the named set; empty if there is no such set.
+    pub fn node_set(&self, name: &str) -> &[u32] {
+        self.node_sets.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Facets of the named set; empty if there is no such set.
+    pub fn facet_set(&self, name: &str) -> &[Facet] {
+        self.facet_sets.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Volume of the solid in mm³, by the quadrature of the element family.
+    pub fn volume(&self) -> f64 {
+        let rule: Vec<_> =
+            quadrature::volume(self.kind).into_iter().map(|(xi, w)| (shape::tabulate(self.kind, xi).1, w)).collect();
+        (0..self.num_elements())
+            .flat_map(|e| rule.iter().map(move |(gradients, w)| (e, gradients, w)))
+            .map(|(e, gradients, w)| w * determinant(&self.jacobian(e, gradients)))
+            .sum()
+    }
+
+    /// ∂X/∂ξ of an element at a point where the shape functions have the given gradients; rows are components of X.
+    pub fn jacobian(&self, element: usize, gradients: &[[f64; 3]]) -> [[f64; 3]; 3] {
+        let mut jacobian = [[0.0; 3]; 3];
+        for (&node, gradient) in self.element(element).iter().zip(gradients) {
+            let x = self.nodes[node as usize];
+            for i in 0..3 {
+                for j in 0..3 {
+                    jacobian[i][j] += x[i] * gradient[j];
+                }
+            }
+        }
+        jacobian
+    }
+
+    /// Node nearest to `point` and its distance in mm; the lowest number wins a tie. `None` for an empty mesh.
+    pub fn nearest_node(&self, point: [f64; 3]) -> Option<(usize, f64)> {
+        let squared = |x: &[f64; 3]| (0..3).map(|i| (x[i] - point[i]).powi(2)).sum::<f64>();
+        (0..self.num_nodes())
+            .map(|node| (node, squared(&self.nodes[node])))
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+            .map(|(node, d)| (node, d.sqrt()))
+    }
+
+    /// Facets that belong to one element only: the boundary of the solid, in element order.
+    pub fn boundary_facets(&self) -> Vec<Facet> {
+        let corners = self.face_kind().num_corners();
+        let mut faces: Vec<(Vec<u32>, Facet)> = (0..self.num_elements() as u32)
+            .flat_map(|element| (0..self.kind.num_faces() as u8).map(move |face| Facet { element, face }))
+            .map(|facet| {
+                let mut key = self.facet_nodes(facet);
+                key.truncate(corners);
+                key.sort_unstable();
+                (key, facet)
+            })
+            .collect();
+        faces.sort();
+        let mut boundary: Vec<Facet> =
+            faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 1).map(|group| group[0].1).collect();
+        boundary.sort();
+        boundary
+    }
+
+    /// Selects the nodes for which `predicate` holds, in ascending order.
+    pub fn select_nodes(&self, predicate: impl Fn([f64; 3]) -> bool) -> Vec<u32> {
+        (0..self.num_nodes() as u32).filter(|&n| predicate(self.nodes[n as usize])).collect()
+    }
+
+    /// Boundary facets all of whose nodes satisfy `predicate`.
+    pub fn select_facets(&self, predicate: impl Fn([f64; 3]) -> bool) -> Vec<Facet> {
+        self.boundary_facets()
+            .into_iter()
+            .filter(|&facet| self.facet_nodes(facet).iter().all(|&n| predicate(self.nodes[n as usize])))
+            .collect()
+    }
+
+    /// Moves every node by `map`: curved bodies from straight lattices.
+    pub fn map_nodes(mut self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        for node in &mut self.nodes {
+            *node = map(*node);
+        }
+        self
+    }
+}
+
+/// Determinant of a 3 × 3 matrix.
+pub fn determinant(m: &[[f64; 3]; 3]) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}

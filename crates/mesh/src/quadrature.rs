@@ -1,0 +1,154 @@
+//! Gauss rules on reference elements and faces.
+
+use crate::element::{ElementKind, FaceKind};
+
+/// Abscissae and weights of the Gauss–Legendre rule with `n` points on [−1, 1] (n = 1 … 5).
+///
+/// # Panics
+/// If `n` is 0 or above 5: rules are chosen by the program, never by its input.
+pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    match n {
+        1 => vec![(0.0, 2.0)],
+        2 => symmetric(&[(1.0 / 3.0_f64.sqrt(), 1.0)], None),
+        3 => symmetric(&[(0.6_f64.sqrt(), 5.0 / 9.0)], Some(8.0 / 9.0)),
+        4 => {
+            let (r, s) = (2.0 / 7.0 * 1.2_f64.sqrt(), 30.0_f64.sqrt() / 36.0);
+            symmetric(&[((3.0 / 7.0 + r).sqrt(), 0.5 - s), ((3.0 / 7.0 - r).sqrt(), 0.5 + s)], None)
+        }
+        5 => {
+            let (r, s) = (2.0 * (10.0_f64 / 7.0).sqrt(), 13.0 * 70.0_f64.sqrt());
+            symmetric(
+                &[((5.0 + r).sqrt() / 3.0, (322.0 - s) / 900.0), ((5.0 - r).sqrt() / 3.0, (322.0 + s) / 900.0)],
+                Some(128.0 / 225.0),
+            )
+        }
+        _ => panic!("no Gauss-Legendre rule with {n} points is tabulated"),
+    }
+}
+
+/// Orders the rule from −1 to 1; `positive` runs from the outermost point inwards.
+fn symmetric(positive: &[(f64, f64)], centre: Option<f64>) -> Vec<(f64, f64)> {
+    let mut rule: Vec<_> = positive.iter().map(|&(x, w)| (-x, w)).collect();
+    rule.extend(centre.map(|w| (0.0, w)));
+    rule.extend(positive.iter().rev());
+    rule
+}
+
+/// Tensor-product rule with `n`³ points on [−1, 1]³, ξ running fastest.
+pub fn hexahedron(n: usize) -> Vec<([f64; 3], f64)> {
+    let line = gauss_legendre(n);
+    let mut rule = Vec::with_capacity(n * n * n);
+    for &(z, wz) in &line {
+        for &(y, wy) in &line {
+            for &(x, wx) in &line {
+                rule.push(([x, y, z], wx * wy * wz));
+            }
+        }
+    }
+    rule
+}
+
+/// Tensor-product rule with `n`² points on [−1, 1]², ξ running fastest.
+pub fn quadrilateral(n: usize) -> Vec<([f64; 2], f64)> {
+    let line = gauss_legendre(n);
+    let mut rule = Vec::with_capacity(n * n);
+    for &(y, wy) in &line {
+        for &(x, wx) in &line {
+            rule.push(([x, y], wx * wy));
+        }
+    }
+    rule
+}
+
+/// Rule of degree 2 with four points on the unit tetrahedron (Keast 1986).
+pub fn tetrahedron_4() -> Vec<([f64; 3], f64)> {
+    let a = (5.0 - 5.0_f64.sqrt()) / 20.0;
+    let b = 1.0 - 3.0 * a;
+    [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].map(|x| (x, 1.0 / 24.0)).to_vec()
+}
+
+/// Collapsed (Stroud) rule with 4² points and positive weights on the unit triangle.
+pub fn triangle_16() -> Vec<([f64; 2], f64)> {
+    quadrilateral(4)
+        .into_iter()
+        .map(|([u, v], w)| {
+            let (s, t) = (0.5 * (1.0 + u), 0.5 * (1.0 + v));
+            ([s, t * (1.0 - s)], 0.25 * w * (1.0 - s))
+        })
+        .collect()
+}
+
+/// Rule of degree 4 with six points on the unit triangle (Dunavant 1985).
+pub fn triangle_6() -> Vec<([f64; 2], f64)> {
+    let mut rule = Vec::new();
+    for (a, w) in [(0.445_948_490_915_965, 0.223_381_589_678_011), (0.091_576_213_509_771, 0.109_951_743_655_322)] {
+        let b = 1.0 - 2.0 * a;
+        rule.extend([[a, a], [a, b], [b, a]].map(|x| (x, 0.5 * w)));
+    }
+    rule
+}
+
+/// Rule for integrals over faces with geometry and pressure of the given family.
+pub fn face(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    match kind {
+        FaceKind::Quad4 => quadrilateral(2),
+        FaceKind::Quad8 | FaceKind::Quad9 => quadrilateral(3),
+        FaceKind::Tri6 => triangle_6(),
+    }
+}
+
+/// The multiple-point contact rule: 4 × 4 Gauss points on a face (theory §5).
+pub fn contact_face(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    match kind {
+        FaceKind::Tri6 => triangle_16(),
+        _ => quadrilateral(4),
+    }
+}
+
+/// Rule that integrates volumes of the family exactly for straight-sided elements.
+pub fn volume(kind: ElementKind) -> Vec<([f64; 3], f64)> {
+    match kind {
+        ElementKind::Hex8 => hexahedron(2),
+        ElementKind::Hex20 | ElementKind::Hex27 => hexahedron(3),
+        ElementKind::Tet10 => tetrahedron_4(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gauss_legendre_integrates_polynomials_up_to_degree_2n_minus_1() {
+        for n in 1..=5 {
+            for degree in 0..2 * n {
+                let sum: f64 = gauss_legendre(n).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
+                let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-14, "n = {n}, degree {degree}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn simplex_rules_integrate_their_degree() {
+        for (rule, degree) in [(triangle_6(), 4), (triangle_16(), 5)] {
+            for i in 0..=degree {
+                for j in 0..=degree - i {
+                    let sum: f64 = rule.iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
+                    // ∫ xⁱ yʲ = i! j! / (i + j + 2)!
+                    let exact = factorial(i) * factorial(j) / factorial(i + j + 2);
+                    assert!((sum - exact).abs() < 1e-13, "x^{i} y^{j}: {sum} for {exact}");
+                }
+            }
+        }
+        for (i, j, k) in [(0, 0, 0), (1, 0, 0), (0, 1, 1), (2, 0, 0)] {
+            let sum: f64 = tetrahedron_4().iter().map(|&([x, y, z], w)| w * x.powi(i) * y.powi(j) * z.powi(k)).sum();
+            let exact = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3);
+            assert!((sum - exact).abs() < 1e-14);
+        }
+    }
+
+    fn factorial(n: i32) -> f64 {
+        (1..=n).map(f64::from).product()
+    }
+}

@@ -1,0 +1,347 @@
+//! The case file: one struct per table, with defaults and range checks.
+
+use std::fmt;
+
+use pneuflex_mesh::{Actuator, ElementKind, GeometryError, MeshSize};
+use serde::{Deserialize, Serialize};
+
+/// A whole case file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Title, repeated in the output.
+    #[serde(default)]
+    pub title: String,
+    /// Geometry; every length is required.
+    pub actuator: Actuator,
+    /// Mesh size and element.
+    #[serde(default)]
+    pub mesh: MeshOptions,
+    /// Material law and constants.
+    #[serde(default)]
+    pub material: Material,
+    /// Contact between neighbouring chambers.
+    #[serde(default)]
+    pub contact: Contact,
+    /// Pressures to land on.
+    pub load: Load,
+    /// Points whose displacement is reported.
+    #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// Solver settings.
+    #[serde(default)]
+    pub solver: Solver,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// Mesh size and element formulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeshOptions {
+    /// Largest element edge, mm: one number or one per direction.
+    pub size: Size,
+    /// Least number of elements through end, side and top walls.
+    pub wall_elements: usize,
+    /// Element formulation.
+    pub element: Formulation,
+}
+
+/// An element size: the same in all directions, or one per direction, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Size {
+    /// The same along x, y and z.
+    Uniform(f64),
+    /// Along x, y, z.
+    PerAxis([f64; 3]),
+}
+
+/// Element formulation: shape functions together with the treatment of the volumetric energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Formulation {
+    /// The paper's: trilinear hexahedron, volumetric energy at the centre (selective reduced integration).
+    #[serde(rename = "hex8-sri")]
+    Hex8Sri,
+    /// Trilinear hexahedron with mean dilatation J̄ = deformed / reference volume.
+    #[serde(rename = "hex8-q1p0")]
+    Hex8Q1p0,
+    /// Serendipity quadratic hexahedron with a discontinuous linear pressure.
+    #[serde(rename = "hex20")]
+    Hex20,
+    /// Triquadratic hexahedron with a discontinuous linear pressure.
+    #[serde(rename = "hex27")]
+    Hex27,
+}
+
+/// Material law and constants, MPa.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Material {
+    /// The law; Yeoh for now.
+    pub law: Law,
+    /// Coefficient of (I₁ − 3).
+    pub c10: f64,
+    /// Coefficient of (I₁ − 3)².
+    pub c20: f64,
+    /// Coefficient of (I₁ − 3)³.
+    pub c30: f64,
+    /// Bulk modulus κ; the paper calls it the penalty factor.
+    pub bulk_modulus: f64,
+    /// Which first invariant the energy depends on.
+    pub invariant: Invariant,
+}
+
+/// Material law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Law {
+    /// Σ Cᵢ₀ (I₁ − 3)ⁱ + ½ κ (J − 1)².
+    #[default]
+    Yeoh,
+}
+
+/// First invariant in the energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Invariant {
+    /// I₁ of the whole deformation (the paper's).
+    Full,
+    /// Ī₁ = J^(−2/3) I₁, stress-free at rest, as in other programs.
+    Isochoric,
+}
+
+/// Contact between the facing walls of neighbouring chambers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Where contact is looked for.
+    pub method: ContactMethod,
+    /// Penalty stiffness k, N/mm³.
+    pub stiffness: f64,
+}
+
+/// Where contact is looked for (theory §5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactMethod {
+    /// Nowhere: walls pass through each other.
+    None,
+    /// Centre of a slave face against the centre of its corresponding master face.
+    SinglePoint,
+    /// 4 × 4 Gauss points of a slave face against their closest points on the master surface.
+    MultiPoint,
+}
+
+/// Pressures to land on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Increasing pressures, kPa.
+    pub pressure_kpa: Vec<f64>,
+}
+
+/// A point whose displacement is reported.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name in the summary.
+    pub name: String,
+    /// Reference position, mm; the nearest node is taken.
+    pub at: [f64; 3],
+}
+
+/// Solver settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solver {
+    /// Convergence: ‖\[Δq; Δλ\]‖ (mm, N) below this.
+    pub tolerance: f64,
+    /// Convergence: residual norm relative to the norm of the pressure forces below this.
+    pub residual_tolerance: f64,
+    /// Iterations after which a load step is given up and halved.
+    pub max_iterations: usize,
+    /// First load step, kPa.
+    pub first_step_kpa: f64,
+    /// Largest load step, kPa.
+    pub max_step_kpa: f64,
+    /// A step smaller than this ends the run as not converged, kPa.
+    pub min_step_kpa: f64,
+}
+
+/// What is written besides the summary.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Write `fields/*.vtu` at every requested pressure.
+    pub fields: bool,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self { size: Size::Uniform(1.0), wall_elements: 1, element: Formulation::Hex8Q1p0 }
+    }
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            law: Law::Yeoh,
+            c10: 0.2712,
+            c20: 0.03053,
+            c30: -0.000_401_3,
+            bulk_modulus: 1000.0,
+            invariant: Invariant::Isochoric,
+        }
+    }
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self { method: ContactMethod::MultiPoint, stiffness: 4.0 }
+    }
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            residual_tolerance: 1e-8,
+            max_iterations: 25,
+            first_step_kpa: 5.0,
+            max_step_kpa: 20.0,
+            min_step_kpa: 1e-3,
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { fields: true }
+    }
+}
+
+impl Size {
+    /// Sizes along x, y, z.
+    pub fn per_axis(self) -> [f64; 3] {
+        match self {
+            Self::Uniform(h) => [h; 3],
+            Self::PerAxis(h) => h,
+        }
+    }
+}
+
+impl MeshOptions {
+    /// The lattice's view of these options.
+    pub fn mesh_size(&self) -> MeshSize {
+        MeshSize { size: self.size.per_axis(), wall_elements: self.wall_elements }
+    }
+}
+
+impl Formulation {
+    /// Element family of the formulation.
+    pub const fn element_kind(self) -> ElementKind {
+        match self {
+            Self::Hex8Sri | Self::Hex8Q1p0 => ElementKind::Hex8,
+            Self::Hex20 => ElementKind::Hex20,
+            Self::Hex27 => ElementKind::Hex27,
+        }
+    }
+
+    /// Name in case files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hex8Sri => "hex8-sri",
+            Self::Hex8Q1p0 => "hex8-q1p0",
+            Self::Hex20 => "hex20",
+            Self::Hex27 => "hex27",
+        }
+    }
+}
+
+impl fmt::Display for Formulation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A value out of range; names the key as written in the case file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} = {value} is out of range: {allowed}")]
+pub struct CaseError {
+    /// Dotted key, e.g. `mesh.size`.
+    pub key: String,
+    /// The offending value as text.
+    pub value: String,
+    /// What would be allowed.
+    pub allowed: String,
+}
+
+impl From<GeometryError> for CaseError {
+    fn from(error: GeometryError) -> Self {
+        Self { key: format!("actuator.{}", error.key), value: error.value.to_string(), allowed: error.allowed }
+    }
+}
+
+impl Case {
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// The first key that is out of range.
+    pub fn validate(&self) -> Result<(), CaseError> {
+        self.actuator.validate()?;
+        let fail = |key: &str, value: &dyn fmt::Debug, allowed: &str| {
+            Err(CaseError { key: key.into(), value: format!("{value:?}"), allowed: allowed.into() })
+        };
+        let positive = |key: &str, value: f64, unit: &str| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                fail(key, &value, &format!("must be a finite number greater than 0{unit}"))
+            }
+        };
+        let finite = |key: &str, value: f64| {
+            if value.is_finite() { Ok(()) } else { fail(key, &value, "must be a finite number, MPa") }
+        };
+        for h in self.mesh.size.per_axis() {
+            positive("mesh.size", h, " mm")?;
+        }
+        if !(1..=1000).contains(&self.mesh.wall_elements) {
+            return fail("mesh.wall_elements", &self.mesh.wall_elements, "must be from 1 to 1000");
+        }
+        positive("material.c10", self.material.c10, " MPa")?;
+        finite("material.c20", self.material.c20)?;
+        finite("material.c30", self.material.c30)?;
+        positive("material.bulk_modulus", self.material.bulk_modulus, " MPa")?;
+        positive("contact.stiffness", self.contact.stiffness, " N/mm3")?;
+
+        let pressures = &self.load.pressure_kpa;
+        let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
+        let increasing = pressures.windows(2).all(|w| w[0] < w[1]);
+        if pressures.is_empty() || !pressures.iter().all(|p| p.is_finite() && *p > 0.0) || !increasing {
+            return fail("load.pressure_kpa", pressures, allowed);
+        }
+        for (i, probe) in self.probes.iter().enumerate() {
+            if probe.name.is_empty() || self.probes[..i].iter().any(|other| other.name == probe.name) {
+                return fail("probe.name", &probe.name, "must be non-empty and different for every probe");
+            }
+            if !probe.at.iter().all(|x| x.is_finite()) {
+                return fail("probe.at", &probe.at, "must be three finite coordinates, mm");
+            }
+        }
+        let solver = &self.solver;
+        positive("solver.tolerance", solver.tolerance, " (mm, N)")?;
+        positive("solver.residual_tolerance", solver.residual_tolerance, "")?;
+        positive("solver.first_step_kpa", solver.first_step_kpa, " kPa")?;
+        positive("solver.min_step_kpa", solver.min_step_kpa, " kPa")?;
+        positive("solver.max_step_kpa", solver.max_step_kpa, " kPa")?;
+        if solver.max_step_kpa < solver.min_step_kpa {
+            return fail("solver.max_step_kpa", &solver.max_step_kpa, "must not be below solver.min_step_kpa");
+        }
+        if !(2..=1000).contains(&solver.max_iterations) {
+            return fail("solver.max_iterations", &solver.max_iterations, "must be from 2 to 1000");
+        }
+        Ok(())
+    }
+}
