@@ -1,0 +1,170 @@
+//! What a run reports: iterations, landed states, failures, timing. Plain data.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// One Newton iteration.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IterationRecord {
+    /// Load step, from 1; rejected attempts count.
+    pub step: usize,
+    /// Iteration within the step, from 1.
+    pub iteration: usize,
+    /// Pressure of the attempt, kPa.
+    pub pressure_kpa: f64,
+    /// ‖\[Δq; Δλ\]‖, mm and N.
+    pub correction: f64,
+    /// Norm of the residual over the free degrees of freedom before the correction, N.
+    pub residual: f64,
+    /// The same relative to the norm of the pressure forces.
+    pub relative_residual: f64,
+    /// Contact points that carry traction.
+    pub contact_points: usize,
+    /// Negative pivots of the tangent; 0 when it is positive definite.
+    pub negative_pivots: usize,
+    /// Seconds since the run began.
+    pub elapsed_s: f64,
+}
+
+/// An equilibrium at one of the requested pressures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandedState {
+    /// Requested pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Displacements, mm, three per node.
+    pub displacement: Vec<f64>,
+    /// Support reactions λ, N, three per node; zero at free degrees of freedom.
+    pub reaction: Vec<f64>,
+    /// Newton iterations spent since the previous landing, rejected attempts included.
+    pub iterations: usize,
+    /// Load steps accepted since the previous landing.
+    pub load_steps: usize,
+    /// Contact points that carry traction.
+    pub contact_points: usize,
+}
+
+/// What an observer is told while a path is followed.
+#[derive(Clone, Debug)]
+pub enum Event<'a> {
+    /// A load step is attempted.
+    StepStarted {
+        /// Load step, from 1.
+        step: usize,
+        /// Pressure aimed at, kPa.
+        pressure_kpa: f64,
+    },
+    /// An iteration is done.
+    Iteration(&'a IterationRecord),
+    /// An attempt failed; the step is halved.
+    StepRejected {
+        /// Load step, from 1.
+        step: usize,
+        /// Pressure aimed at, kPa.
+        pressure_kpa: f64,
+        /// Why.
+        cause: &'a Cause,
+    },
+    /// A requested pressure is reached.
+    Landed(&'a LandedState),
+}
+
+/// Why a step failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Cause {
+    /// An element turned inside out.
+    #[error("element {element} is inverted (det F = {jacobian:.3e} at its integration point {point})")]
+    Inversion {
+        /// Element number.
+        element: usize,
+        /// Integration point.
+        point: usize,
+        /// det F.
+        jacobian: f64,
+    },
+    /// The iteration did not converge in the allowed number of iterations.
+    #[error(
+        "no convergence in {iterations} iterations (last correction {correction:.3e}, residual {residual:.3e} N; \
+         largest residual at node {node})"
+    )]
+    TooManyIterations {
+        /// Iterations done.
+        iterations: usize,
+        /// Last ‖\[Δq; Δλ\]‖.
+        correction: f64,
+        /// Last residual norm, N.
+        residual: f64,
+        /// Node with the largest residual.
+        node: usize,
+    },
+    /// The iteration ran away.
+    #[error("the iteration diverged (correction {correction:.3e})")]
+    Diverged {
+        /// Last ‖\[Δq; Δλ\]‖.
+        correction: f64,
+    },
+    /// The set of touching points keeps changing.
+    #[error("the contact does not settle (between {least} and {most} touching points over the last iterations)")]
+    ContactChatter {
+        /// Fewest touching points.
+        least: usize,
+        /// Most touching points.
+        most: usize,
+    },
+    /// The tangent of an equilibrium is indefinite: the body is unstable there.
+    #[error("the tangent at the equilibrium is indefinite ({negative_pivots} negative pivots): an instability")]
+    IndefiniteTangent {
+        /// Number of negative pivots.
+        negative_pivots: usize,
+    },
+    /// The tangent is singular.
+    #[error("the tangent is singular: {0}")]
+    SingularTangent(String),
+}
+
+/// A path that could not be followed to its end; everything landed on before was reported by [`Event::Landed`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Pressure of the last equilibrium, kPa.
+    pub reached_kpa: f64,
+    /// Pressure of the last failed attempt, kPa.
+    pub attempted_kpa: f64,
+    /// Why the last attempt failed.
+    pub cause: Cause,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "not converged: the path stops at {:.4} kPa, the step to {:.4} kPa failed: {}",
+            self.reached_kpa, self.attempted_kpa, self.cause
+        )
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Seconds spent, by kind of work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Timing {
+    /// Residual and tangent of solid and pressure.
+    pub assembly_s: f64,
+    /// Analysis and numerical factorisation.
+    pub factor_s: f64,
+    /// Triangular solves and rotation-aware increments.
+    pub solve_s: f64,
+    /// Contact search, forces and tangent.
+    pub contact_s: f64,
+    /// The whole path.
+    pub total_s: f64,
+}
+
+/// A path that was followed to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathReport {
+    /// Newton iterations in all, rejected attempts included.
+    pub iterations: usize,
+    /// Seconds spent.
+    pub timing: Timing,
+}
