@@ -1,0 +1,241 @@
+//! Energy, force and consistent tangent of the touching points between two faces.
+//!
+//! The energy of a point is ½ k w d². For a point that slides freely over the master (multiple-point), with
+//! `G_α = a_α·δg`, `T_α = n·δr_m,α`, metric m, curvature `b_αβ = n·r_m,αβ` and `X = (m − d b)⁻¹(G + d T)` the change of
+//! the foot, `∇d = n·δg` and
+//!
+//! ```text
+//! ∇²d = −(T + b X)ᵀ m⁻¹ G − Xᵀ T
+//! ```
+//!
+//! (Laursen 2002, *Computational Contact and Impact Mechanics*, ch. 5, rearranged). For centre-to-centre contact
+//! (single-point) the foot is fixed and only the normal turns; its derivatives are in [`fixed_point`].
+
+use pneuflex_mesh::shape;
+use pneuflex_model::ContactMethod;
+
+use crate::projection::{cross, dot, face_geometry, sub, unit_normal};
+use crate::search::{ContactBlock, ContactModel};
+
+/// Largest number of nodes of a contact block: two nine-node faces.
+pub const MAX_NODES: usize = 18;
+const MAX_DOFS: usize = 3 * MAX_NODES;
+
+/// What a block adds: energy (mJ), force on the nodes as the energy's gradient (N), tangent (N/mm).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BlockOutput {
+    /// ½ k Σ w d².
+    pub energy: f64,
+    /// Gradient, three per node of the block.
+    pub residual: Vec<f64>,
+    /// Hessian, row by row over the block's degrees of freedom; empty unless asked for.
+    pub tangent: Vec<f64>,
+}
+
+/// First and second derivative of the signed distance with respect to the block's degrees of freedom.
+struct DistanceDerivatives {
+    distance: f64,
+    gradient: [f64; MAX_DOFS],
+    hessian: Vec<f64>,
+}
+
+/// Evaluates a block found by [`ContactModel::search`] at the same positions.
+pub fn evaluate_block(
+    model: &ContactModel,
+    block: &ContactBlock,
+    positions: &[[f64; 3]],
+    with_tangent: bool,
+) -> BlockOutput {
+    let dofs = 3 * block.nodes.len();
+    let mut out = BlockOutput {
+        energy: 0.0,
+        residual: vec![0.0; dofs],
+        tangent: if with_tangent { vec![0.0; dofs * dofs] } else { Vec::new() },
+    };
+    let mut scratch = DistanceDerivatives {
+        distance: 0.0,
+        gradient: [0.0; MAX_DOFS],
+        hessian: vec![0.0; if with_tangent { dofs * dofs } else { 0 }],
+    };
+    for point in &block.points {
+        match model.method {
+            ContactMethod::SinglePoint => {
+                fixed_point(model, block, point.slave_xi, point.master_xi, positions, &mut scratch);
+            }
+            _ => sliding_point(model, block, point.slave_xi, point.master_xi, positions, &mut scratch),
+        }
+        let d = scratch.distance;
+        let factor = model.stiffness * point.area;
+        out.energy += 0.5 * factor * d * d;
+        for i in 0..dofs {
+            out.residual[i] += factor * d * scratch.gradient[i];
+        }
+        if with_tangent {
+            for i in 0..dofs {
+                let gi = scratch.gradient[i];
+                let row = &mut out.tangent[i * dofs..(i + 1) * dofs];
+                let second = &scratch.hessian[i * dofs..(i + 1) * dofs];
+                for j in 0..dofs {
+                    row[j] += factor * (gi * scratch.gradient[j] + d * second[j]);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Coefficients with which the block's nodes enter r_s − r_m: N on the slave, −N on the master.
+fn gap_coefficients(slave: &shape::FaceShape, master: &shape::FaceShape, n: usize) -> [f64; MAX_NODES] {
+    let mut coefficients = [0.0; MAX_NODES];
+    for i in 0..n {
+        coefficients[i] = slave.values[i];
+        coefficients[n + i] = -master.values[i];
+    }
+    coefficients
+}
+
+fn sliding_point(
+    model: &ContactModel,
+    block: &ContactBlock,
+    slave_xi: [f64; 2],
+    master_xi: [f64; 2],
+    positions: &[[f64; 3]],
+    out: &mut DistanceDerivatives,
+) {
+    let (slave, master) = model.surfaces(block.pair);
+    let (kind, n) = (slave.kind, slave.kind.num_nodes());
+    let (shape_s, shape_m) = (shape::evaluate_face(kind, slave_xi), shape::evaluate_face(kind, master_xi));
+    let s = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape_s);
+    let m = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape_m);
+    let (normal, _) = unit_normal(&m.tangents);
+    let d = dot(sub(s.position, m.position), normal);
+    let coefficients = gap_coefficients(&shape_s, &shape_m, n);
+    out.distance = d;
+    for (i, c) in coefficients[..2 * n].iter().enumerate() {
+        for k in 0..3 {
+            out.gradient[3 * i + k] = c * normal[k];
+        }
+    }
+    if out.hessian.is_empty() {
+        return;
+    }
+
+    let metric =
+        [dot(m.tangents[0], m.tangents[0]), dot(m.tangents[0], m.tangents[1]), dot(m.tangents[1], m.tangents[1])];
+    let b: [f64; 3] = m.curvatures.map(|r| dot(normal, r));
+    let inverse_metric = inverse_symmetric(metric);
+    let inverse_a = inverse_symmetric(std::array::from_fn(|i| metric[i] - d * b[i]));
+
+    let dofs = 6 * n;
+    let mut g = [[0.0; MAX_DOFS]; 2];
+    let mut t = [[0.0; MAX_DOFS]; 2];
+    for alpha in 0..2 {
+        for i in 0..2 * n {
+            for k in 0..3 {
+                g[alpha][3 * i + k] = coefficients[i] * m.tangents[alpha][k];
+            }
+        }
+        for i in 0..n {
+            for k in 0..3 {
+                t[alpha][3 * (n + i) + k] = shape_m.gradients[i][alpha] * normal[k];
+            }
+        }
+    }
+    let mut x = [[0.0; MAX_DOFS]; 2];
+    let mut left = [[0.0; MAX_DOFS]; 2];
+    for i in 0..dofs {
+        let rhs = [g[0][i] + d * t[0][i], g[1][i] + d * t[1][i]];
+        x[0][i] = inverse_a[0] * rhs[0] + inverse_a[1] * rhs[1];
+        x[1][i] = inverse_a[1] * rhs[0] + inverse_a[2] * rhs[1];
+        let y = [t[0][i] + b[0] * x[0][i] + b[1] * x[1][i], t[1][i] + b[1] * x[0][i] + b[2] * x[1][i]];
+        left[0][i] = inverse_metric[0] * y[0] + inverse_metric[1] * y[1];
+        left[1][i] = inverse_metric[1] * y[0] + inverse_metric[2] * y[1];
+    }
+    for i in 0..dofs {
+        for j in 0..dofs {
+            out.hessian[i * dofs + j] =
+                -(left[0][i] * g[0][j] + left[1][i] * g[1][j] + x[0][i] * t[0][j] + x[1][i] * t[1][j]);
+        }
+    }
+}
+
+/// Derivatives of d = (r_s − r_m)·n at fixed reference points, n = c/‖c‖, c = r_ξ × r_η of the master face.
+fn fixed_point(
+    model: &ContactModel,
+    block: &ContactBlock,
+    slave_xi: [f64; 2],
+    master_xi: [f64; 2],
+    positions: &[[f64; 3]],
+    out: &mut DistanceDerivatives,
+) {
+    let (slave, master) = model.surfaces(block.pair);
+    let (kind, n) = (slave.kind, slave.kind.num_nodes());
+    let (shape_s, shape_m) = (shape::evaluate_face(kind, slave_xi), shape::evaluate_face(kind, master_xi));
+    let s = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape_s);
+    let m = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape_m);
+    let (normal, length) = unit_normal(&m.tangents);
+    let gap = sub(s.position, m.position);
+    let d = dot(gap, normal);
+    // Part of the gap in the tangent plane.
+    let tangential: [f64; 3] = std::array::from_fn(|k| gap[k] - d * normal[k]);
+    let coefficients = gap_coefficients(&shape_s, &shape_m, n);
+    let dofs = 6 * n;
+
+    // Per degree of freedom: change of the gap, and of c; axis vectors make both sparse.
+    let mut delta_c = [[0.0; 3]; MAX_DOFS];
+    for i in 0..n {
+        for k in 0..3 {
+            let mut axis = [0.0; 3];
+            axis[k] = 1.0;
+            let first = cross(axis, m.tangents[1]);
+            let second = cross(m.tangents[0], axis);
+            delta_c[3 * (n + i) + k] =
+                std::array::from_fn(|q| shape_m.gradients[i][0] * first[q] + shape_m.gradients[i][1] * second[q]);
+        }
+    }
+    out.distance = d;
+    for i in 0..2 * n {
+        for k in 0..3 {
+            let dof = 3 * i + k;
+            out.gradient[dof] = coefficients[i] * normal[k] + dot(tangential, delta_c[dof]) / length;
+        }
+    }
+    if out.hessian.is_empty() {
+        return;
+    }
+    let projected: Vec<[f64; 3]> = delta_c[..dofs]
+        .iter()
+        .map(|c| {
+            let along = dot(*c, normal);
+            std::array::from_fn(|k| (c[k] - along * normal[k]) / length)
+        })
+        .collect();
+    for p in 0..dofs {
+        let (ip, kp) = (p / 3, p % 3);
+        for q in 0..dofs {
+            let (iq, kq) = (q / 3, q % 3);
+            // δg·P Δc/s + Δg·P δc/s
+            let mut value = coefficients[ip] * projected[q][kp] + coefficients[iq] * projected[p][kq];
+            // −[(t·Δc)(n·δc) + (t·δc)(n·Δc)]/s² − d Δc·P δc/s²
+            value -= (dot(tangential, delta_c[q]) * dot(normal, delta_c[p])
+                + dot(tangential, delta_c[p]) * dot(normal, delta_c[q]))
+                / (length * length);
+            value -= d * dot(projected[p], delta_c[q]) / length;
+            // t·(δa₁ × Δa₂ + Δa₁ × δa₂)/s
+            if ip >= n && iq >= n && kp != kq {
+                let (gp, gq) = (shape_m.gradients[ip - n], shape_m.gradients[iq - n]);
+                let (mut u, mut v) = ([0.0; 3], [0.0; 3]);
+                u[kp] = 1.0;
+                v[kq] = 1.0;
+                value += (gp[0] * gq[1] - gq[0] * gp[1]) * dot(tangential, cross(u, v)) / length;
+            }
+            out.hessian[p * dofs + q] = value;
+        }
+    }
+}
+
+/// Inverse of \[a, b; b, c\] given and returned as \[a, b, c\].
+fn inverse_symmetric([a, b, c]: [f64; 3]) -> [f64; 3] {
+    let determinant = a * c - b * b;
+    [c / determinant, -b / determinant, a / determinant]
+}
