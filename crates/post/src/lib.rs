@@ -1,1 +1,29 @@
-//! Derived quantities and field output.
+//! Derived quantities and field output of an equilibrium: stresses, bending angle, penetration, VTK files.
+//!
+//! This crate turns a [`pneuflex_model::Problem`] and a displacement field into numbers and texts. It knows nothing of
+//! how the field was found, and touches neither files nor clock nor terminal.
+//!
+//! * [`stress`]: Cauchy and von Mises stress at integration points and nodes, strain energy.
+//! * [`measures`]: end-face angle, centreline, air volume, reactions.
+//! * [`penetration`]: how far walls pass through each other, by dense sampling.
+//! * [`contact`]: what the contact's own points carry.
+//! * [`fields`], [`vtu`]: VTK XML files.
+//! * [`summary`]: all of it for one landed pressure, as `summary.json` has it.
+//!
+//! Units: mm, N, MPa, mJ; displacements and reactions are lists with three entries per node. Faces are quadrilaterals.
+
+pub mod contact;
+mod error;
+pub mod fields;
+pub mod measures;
+pub mod penetration;
+mod search;
+pub mod stress;
+pub mod summary;
+mod surface;
+#[cfg(test)]
+mod testing;
+mod vector;
+pub mod vtu;
+
+pub use error::PostError;

@@ -1,0 +1,430 @@
+//! Cauchy stress at integration points, and its average at nodes for pictures.
+//!
+//! With the deviatoric law `W(I₁, J)` of the material and a volumetric pressure `p` from the element,
+//!
+//! ```text
+//! σ = (2 W₁ / J) F Fᵀ + (W_J + p) 1
+//! ```
+//!
+//! | formulation | volumetric pressure | volumetric energy |
+//! |---|---|---|
+//! | `hex8-sri` | κ (J_C − 1), J_C at the element's centre | ½ κ (J_C − 1)² V |
+//! | `hex8-q1p0` | κ (J̄ − 1), J̄ = deformed / reference volume | ½ κ (J̄ − 1)² V |
+//! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
+//!
+//! (theory §3; design §3.1). The stress is taken at the points of the deviatoric rule, where the law is evaluated by
+//! the solver too.
+
+use pneuflex_material_yeoh::{Kinematics, Yeoh};
+use pneuflex_mesh::mesh::determinant;
+use pneuflex_mesh::{ElementKind, quadrature, shape};
+use pneuflex_model::{Formulation, Problem};
+
+use crate::error::{PostError, check};
+use crate::vector::at_node;
+
+/// A symmetric tensor in the order of VTK: xx, yy, zz, xy, yz, xz.
+pub type SymmetricTensor = [f64; 6];
+
+/// The state at one integration point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StressPoint {
+    /// Reference position, mm.
+    pub position: [f64; 3],
+    /// Reference volume the point stands for, mm³.
+    pub volume: f64,
+    /// Cauchy stress, MPa.
+    pub stress: SymmetricTensor,
+    /// von Mises stress, MPa.
+    pub von_mises: f64,
+}
+
+/// Stresses of a whole body in one state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StressField {
+    /// Integration points, `points_per_element` for every element in order.
+    pub points: Vec<StressPoint>,
+    /// Number of integration points of one element.
+    pub points_per_element: usize,
+    /// Strain energy of the body, N·mm = mJ.
+    pub strain_energy: f64,
+    /// Integration points of an element on the reference cube, in the order of `points`.
+    reference_points: Vec<[f64; 3]>,
+}
+
+/// A tabulated quadrature point of an element family.
+struct Tabulated {
+    xi: [f64; 3],
+    weight: f64,
+    values: Vec<f64>,
+    gradients: Vec<[f64; 3]>,
+}
+
+/// An element's state at one tabulated point.
+struct Local {
+    kinematics: Kinematics,
+    volume: f64,
+}
+
+fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<Tabulated> {
+    rule.into_iter()
+        .map(|(xi, weight)| {
+            let (values, gradients) = shape::tabulate(kind, xi);
+            Tabulated { xi, weight, values, gradients }
+        })
+        .collect()
+}
+
+/// The rule of the deviatoric energy.
+fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
+    match formulation {
+        Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Hex20 => quadrature::hexahedron(2),
+        Formulation::Hex27 => quadrature::hexahedron(3),
+    }
+}
+
+/// von Mises stress of a symmetric tensor (theory §3).
+pub fn von_mises([xx, yy, zz, xy, yz, xz]: SymmetricTensor) -> f64 {
+    let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+    (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
+}
+
+/// Cauchy stresses at all integration points, and the strain energy.
+///
+/// `displacement` has three entries per node, mm.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite; an element turned inside out.
+pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, PostError> {
+    check("displacement", displacement, problem.num_dofs())?;
+    let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
+    let law = Yeoh::new(&problem.material);
+    let kappa = problem.material.bulk_modulus;
+    let deviatoric = tabulate(kind, deviatoric_rule(problem.formulation));
+    let volumetric = match problem.formulation {
+        Formulation::Hex8Sri => tabulate(kind, quadrature::hexahedron(1)),
+        _ => tabulate(kind, quadrature::volume(kind)),
+    };
+
+    let mut points = Vec::with_capacity(mesh.num_elements() * deviatoric.len());
+    let mut strain_energy = 0.0;
+    for element in 0..mesh.num_elements() {
+        let at = |index: usize, point: &Tabulated| local(problem, displacement, element, index, point);
+        let states = deviatoric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
+        let volume = volumetric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
+        let (pressure, volumetric_energy) = match problem.formulation {
+            Formulation::Hex8Sri => {
+                let v: f64 = states.iter().map(|s| s.volume).sum();
+                let p = kappa * volume[0].kinematics.jacobian_minus_1;
+                ([p, 0.0, 0.0, 0.0], 0.5 * p * p / kappa * v)
+            }
+            Formulation::Hex8Q1p0 => {
+                let v: f64 = volume.iter().map(|s| s.volume).sum();
+                let change: f64 = volume.iter().map(|s| s.volume * s.kinematics.jacobian_minus_1).sum();
+                let p = kappa * change / v;
+                ([p, 0.0, 0.0, 0.0], 0.5 * p * p / kappa * v)
+            }
+            Formulation::Hex20 | Formulation::Hex27 => linear_pressure(&volumetric, &volume, kappa),
+        };
+        strain_energy += volumetric_energy;
+        for (point, state) in deviatoric.iter().zip(&states) {
+            let p = linear_modes(point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>();
+            let s = law.cauchy_stress(&state.kinematics);
+            let stress = [s[0][0] + p, s[1][1] + p, s[2][2] + p, s[0][1], s[1][2], s[0][2]];
+            let mut position = [0.0; 3];
+            for (value, &node) in point.values.iter().zip(mesh.element(element)) {
+                for d in 0..3 {
+                    position[d] += value * mesh.nodes[node as usize][d];
+                }
+            }
+            strain_energy += law.evaluate(&state.kinematics).energy * state.volume;
+            points.push(StressPoint { position, volume: state.volume, stress, von_mises: von_mises(stress) });
+        }
+    }
+    if !strain_energy.is_finite() || !points.iter().all(|p| p.von_mises.is_finite()) {
+        return Err(PostError::NotFinite { what: "the stress".into() });
+    }
+    let reference_points = deviatoric.iter().map(|p| p.xi).collect();
+    Ok(StressField { points, points_per_element: deviatoric.len(), strain_energy, reference_points })
+}
+
+fn local(
+    problem: &Problem,
+    displacement: &[f64],
+    element: usize,
+    index: usize,
+    point: &Tabulated,
+) -> Result<Local, PostError> {
+    let mesh = &problem.mesh;
+    let jacobian = mesh.jacobian(element, &point.gradients);
+    let determinant = determinant(&jacobian);
+    // ∂u/∂X = (∂u/∂ξ) (∂X/∂ξ)⁻¹, and the inverse is the transposed cofactor over the determinant.
+    let cofactor = pneuflex_material_yeoh::kinematics::cofactor(&jacobian);
+    let mut by_xi = [[0.0; 3]; 3];
+    for (&node, gradient) in mesh.element(element).iter().zip(&point.gradients) {
+        let u = at_node(displacement, node);
+        for i in 0..3 {
+            for j in 0..3 {
+                by_xi[i][j] += u[i] * gradient[j];
+            }
+        }
+    }
+    let gradient = std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..3).map(|k| by_xi[i][k] * cofactor[j][k]).sum::<f64>() / determinant)
+    });
+    let kinematics =
+        Kinematics::new(&gradient).map_err(|e| PostError::Inverted { element, point: index, jacobian: e.0 })?;
+    Ok(Local { kinematics, volume: point.weight * determinant })
+}
+
+/// ψ = (1, ξ, η, ζ).
+fn linear_modes([x, y, z]: [f64; 3]) -> [f64; 4] {
+    [1.0, x, y, z]
+}
+
+/// Coefficients of the discontinuous linear pressure p = κ M⁻¹ θ, and ½ κ θᵀ M⁻¹ θ.
+fn linear_pressure(rule: &[Tabulated], states: &[Local], kappa: f64) -> ([f64; 4], f64) {
+    let (mut mass, mut theta) = ([[0.0; 4]; 4], [0.0; 4]);
+    for (point, state) in rule.iter().zip(states) {
+        let psi = linear_modes(point.xi);
+        for i in 0..4 {
+            theta[i] += psi[i] * state.kinematics.jacobian_minus_1 * state.volume;
+            for j in 0..4 {
+                mass[i][j] += psi[i] * psi[j] * state.volume;
+            }
+        }
+    }
+    let strain = solve_positive_definite(mass, theta);
+    let energy = 0.5 * kappa * (0..4).map(|i| theta[i] * strain[i]).sum::<f64>();
+    (strain.map(|s| kappa * s), energy)
+}
+
+/// Gaussian elimination without pivoting, which a positive definite matrix does not need.
+fn solve_positive_definite(mut a: [[f64; 4]; 4], mut b: [f64; 4]) -> [f64; 4] {
+    for k in 0..4 {
+        for i in k + 1..4 {
+            let factor = a[i][k] / a[k][k];
+            for j in k..4 {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..4).rev() {
+        let known: f64 = (k + 1..4).map(|j| a[k][j] * b[j]).sum();
+        b[k] = (b[k] - known) / a[k][k];
+    }
+    b
+}
+
+impl StressField {
+    /// Integration points of one element.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn element(&self, element: usize) -> &[StressPoint] {
+        &self.points[element * self.points_per_element..(element + 1) * self.points_per_element]
+    }
+
+    /// The integration point with the largest von Mises stress; `None` for a body without elements.
+    ///
+    /// The largest value has no limit under refinement at the actuator's re-entrant edges (design §3.5): read it
+    /// together with [`StressField::von_mises_quantile`] and the position.
+    pub fn largest_von_mises(&self) -> Option<&StressPoint> {
+        self.points.iter().max_by(|a, b| a.von_mises.total_cmp(&b.von_mises))
+    }
+
+    /// The von Mises stress, MPa, that is not exceeded in the share `fraction` of the reference volume (0 … 1).
+    pub fn von_mises_quantile(&self, fraction: f64) -> f64 {
+        let mut sorted: Vec<(f64, f64)> = self.points.iter().map(|p| (p.von_mises, p.volume)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let target = fraction * sorted.iter().map(|s| s.1).sum::<f64>();
+        let mut volume = 0.0;
+        for (value, v) in &sorted {
+            volume += v;
+            if volume >= target {
+                return *value;
+            }
+        }
+        sorted.last().map_or(0.0, |s| s.0)
+    }
+
+    /// Hydrostatic pressure −tr σ / 3 of every element, MPa, averaged over its reference volume; compression is positive.
+    pub fn element_pressures(&self) -> Vec<f64> {
+        self.points
+            .chunks(self.points_per_element.max(1))
+            .map(|points| {
+                let volume: f64 = points.iter().map(|p| p.volume).sum();
+                let sum: f64 = points.iter().map(|p| p.volume * (p.stress[0] + p.stress[1] + p.stress[2])).sum();
+                -sum / (3.0 * volume)
+            })
+            .collect()
+    }
+
+    /// Cauchy stress at every node, MPa: the trilinear field fitted to an element's integration points by least squares
+    /// (through them for the 2×2×2 rule), evaluated at the element's nodes and averaged over the elements at a node with
+    /// their reference volumes as weights. For pictures: at interfaces and re-entrant edges it smooths.
+    pub fn at_nodes(&self, problem: &Problem) -> Vec<SymmetricTensor> {
+        let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
+        let extrapolation = self.extrapolation(kind);
+        let mut sum = vec![[0.0; 6]; mesh.num_nodes()];
+        let mut weight = vec![0.0; mesh.num_nodes()];
+        for element in 0..mesh.num_elements() {
+            let points = self.element(element);
+            let volume: f64 = points.iter().map(|p| p.volume).sum();
+            for (row, &node) in extrapolation.iter().zip(mesh.element(element)) {
+                weight[node as usize] += volume;
+                for c in 0..6 {
+                    let value: f64 = row.iter().zip(points).map(|(m, p)| m * p.stress[c]).sum();
+                    sum[node as usize][c] += volume * value;
+                }
+            }
+        }
+        sum.iter().zip(&weight).map(|(s, &w)| s.map(|x| if w > 0.0 { x / w } else { 0.0 })).collect()
+    }
+
+    /// Values at the nodes from values at the integration points, one row per node.
+    ///
+    /// The eight monomials of the trilinear field are orthogonal over a tensor-product rule with symmetric points, so
+    /// each coefficient of the fit is a plain projection.
+    fn extrapolation(&self, kind: ElementKind) -> Vec<Vec<f64>> {
+        let squares: [f64; 8] =
+            std::array::from_fn(|k| self.reference_points.iter().map(|xi| monomials(*xi)[k].powi(2)).sum());
+        kind.reference_nodes()
+            .iter()
+            .map(|node| {
+                let there = monomials(*node);
+                self.reference_points
+                    .iter()
+                    .map(|xi| {
+                        let here = monomials(*xi);
+                        (0..8).map(|k| there[k] * here[k] / squares[k]).sum()
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
+    [1.0, x, y, z, x * y, y * z, x * z, x * y * z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{displacement_of, two_chambers, with_formulation};
+    use pneuflex_model::Invariant;
+
+    const ALL: [Formulation; 4] = [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
+
+    /// An affine map: every formulation has the same homogeneous stress and energy.
+    #[test]
+    fn an_affine_map_has_the_homogeneous_stress_and_energy() {
+        let h = [[0.2, 0.1, 0.0], [-0.05, -0.1, 0.08], [0.03, 0.0, -0.07]];
+        for invariant in [Invariant::Full, Invariant::Isochoric] {
+            for formulation in ALL {
+                let mut problem = with_formulation(3.0, formulation);
+                problem.material.invariant = invariant;
+                let u = displacement_of(&problem, |x| std::array::from_fn(|i| (0..3).map(|j| h[i][j] * x[j]).sum()));
+                let field = recover(&problem, &u).unwrap();
+                let k = Kinematics::new(&h).unwrap();
+                let law = Yeoh::new(&problem.material);
+                let mut exact = law.cauchy_stress(&k);
+                let p = problem.material.bulk_modulus * k.jacobian_minus_1;
+                (0..3).for_each(|i| exact[i][i] += p);
+                let exact = [exact[0][0], exact[1][1], exact[2][2], exact[0][1], exact[1][2], exact[0][2]];
+                let nodal = field.at_nodes(&problem);
+                for stress in field.points.iter().map(|p| &p.stress).chain(&nodal) {
+                    for c in 0..6 {
+                        assert!((stress[c] - exact[c]).abs() < 1e-8 * p.abs(), "{formulation:?} {c}: {stress:?}");
+                    }
+                }
+                let energy = (law.evaluate(&k).energy + 0.5 * p * k.jacobian_minus_1) * 1268.0;
+                assert!((field.strain_energy - energy).abs() < 1e-9 * energy, "{formulation:?}");
+                assert!((field.element_pressures()[0] + (exact[0] + exact[1] + exact[2]) / 3.0).abs() < 1e-8 * p.abs());
+                assert!((field.points.iter().map(|p| p.volume).sum::<f64>() - 1268.0).abs() < 1e-8);
+            }
+        }
+    }
+
+    /// The energy's derivative along a displacement is the work of the stress: Σ V J σ : grad(δu) in a state in which
+    /// the volumetric pressure varies, which ties each formulation's pressure to its energy.
+    #[test]
+    fn stress_is_the_derivative_of_the_energy_where_the_volume_change_is_uniform() {
+        for formulation in ALL {
+            let problem = with_formulation(3.0, formulation);
+            let state = |t: f64| {
+                displacement_of(&problem, |x| {
+                    [0.1 * x[2] + t * 0.01 * x[0], 0.02 * x[0], -0.1 * x[0] + t * 0.02 * x[2]]
+                })
+            };
+            let step = 1e-5;
+            let energy = |t: f64| recover(&problem, &state(t)).unwrap().strain_energy;
+            let slope = (energy(step) - energy(-step)) / (2.0 * step);
+            let field = recover(&problem, &state(0.0)).unwrap();
+            let f = [[1.0, 0.0, 0.1], [0.02, 1.0, 0.0], [-0.1, 0.0, 1.0]];
+            let (j, cofactor) = (determinant(&f), pneuflex_material_yeoh::kinematics::cofactor(&f));
+            // grad(δu) = δF F⁻¹ with δF = diag(0.01, 0, 0.02).
+            let rate = |i: usize, k: usize| [0.01, 0.0, 0.02][i] * cofactor[k][i] / j;
+            let work: f64 = field
+                .points
+                .iter()
+                .map(|p| {
+                    let s = p.stress;
+                    let full = [[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]];
+                    let power: f64 =
+                        (0..3).flat_map(|i| (0..3).map(move |k| (i, k))).map(|(i, k)| full[i][k] * rate(i, k)).sum();
+                    p.volume * j * power
+                })
+                .sum();
+            assert!(work.abs() > 1.0, "the check would be empty");
+            assert!((work - slope).abs() < 1e-6 * work.abs(), "{formulation:?}: {work} against {slope}");
+        }
+    }
+
+    #[test]
+    fn extrapolation_reproduces_trilinear_fields() {
+        for formulation in ALL {
+            let problem = with_formulation(3.0, formulation);
+            let field = recover(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
+            let function = |x: [f64; 3]| 1.0 + x[0] - 2.0 * x[1] * x[2] + 0.5 * x[0] * x[1] * x[2];
+            let values: Vec<f64> = field.reference_points.iter().map(|&xi| function(xi)).collect();
+            for (row, node) in field.extrapolation(problem.mesh.kind).iter().zip(problem.mesh.kind.reference_nodes()) {
+                let value: f64 = row.iter().zip(&values).map(|(m, v)| m * v).sum();
+                assert!((value - function(node)).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn von_mises_of_simple_states() {
+        assert_eq!(von_mises([3.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 3.0);
+        assert!((von_mises([0.0, 0.0, 0.0, 0.0, 2.0, 0.0]) - 2.0 * 3.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(von_mises([7.0, 7.0, 7.0, 0.0, 0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn quantile_is_weighted_by_volume() {
+        let point = |von_mises, volume| StressPoint { position: [0.0; 3], volume, stress: [0.0; 6], von_mises };
+        let field = StressField {
+            points: vec![point(5.0, 1.0), point(1.0, 98.0), point(9.0, 1.0)],
+            points_per_element: 1,
+            strain_energy: 0.0,
+            reference_points: vec![[0.0; 3]],
+        };
+        assert_eq!((field.von_mises_quantile(0.5), field.von_mises_quantile(0.99)), (1.0, 5.0));
+        assert_eq!((field.von_mises_quantile(1.0), field.largest_von_mises().unwrap().von_mises), (9.0, 9.0));
+    }
+
+    #[test]
+    fn bad_states_are_errors() {
+        let problem = two_chambers(3.0);
+        let mut u = vec![0.0; problem.num_dofs()];
+        assert!(matches!(recover(&problem, &u[1..]), Err(PostError::WrongLength { .. })));
+        u[4] = f64::NAN;
+        assert!(matches!(recover(&problem, &u), Err(PostError::NotFinite { .. })));
+        u[4] = 500.0;
+        assert!(matches!(recover(&problem, &u), Err(PostError::Inverted { .. })));
+    }
+}

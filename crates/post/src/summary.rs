@@ -1,0 +1,191 @@
+//! What `summary.json` says about one landed pressure.
+
+use std::collections::BTreeMap;
+
+use pneuflex_mesh::Mesh;
+use pneuflex_model::{Probe, Problem};
+use serde::Serialize;
+
+use crate::error::{PostError, check};
+use crate::vector::at_node;
+use crate::{contact, fields, measures, penetration, stress, vtu};
+
+/// An equilibrium to be described.
+#[derive(Clone, Copy, Debug)]
+pub struct State<'a> {
+    /// Air pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Displacements, mm, three per node.
+    pub displacement: &'a [f64],
+    /// Support reactions, N, three per node.
+    pub reaction: &'a [f64],
+    /// Newton iterations spent since the previous landing.
+    pub iterations: usize,
+    /// Load steps accepted since the previous landing.
+    pub load_steps: usize,
+}
+
+/// One landed pressure. The names of the fields are the keys of `summary.json`, a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepSummary {
+    /// Air pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Whether equilibrium was reached.
+    pub converged: bool,
+    /// Newton iterations spent since the previous pressure, rejected attempts included.
+    pub iterations: usize,
+    /// Load steps accepted since the previous pressure.
+    pub load_steps: usize,
+    /// Displacement of every probe, mm.
+    pub probes: BTreeMap<String, [f64; 3]>,
+    /// Angle of the end face, degrees, positive downwards; see [`measures::end_face_angle_deg`].
+    pub end_face_angle_deg: f64,
+    /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip.
+    pub centreline: Vec<[f64; 2]>,
+    /// Largest von Mises stress at an integration point, MPa.
+    pub max_von_mises_mpa: f64,
+    /// Reference position of that point, mm.
+    pub max_von_mises_at: [f64; 3],
+    /// von Mises stress not exceeded in 99 % of the reference volume, MPa.
+    pub von_mises_p99_mpa: f64,
+    /// Contact.
+    pub contact: ContactSummary,
+    /// Volume of the modelled air, mm³.
+    pub cavity_volume_mm3: f64,
+    /// Sum of the clamp's reactions, N.
+    pub reaction_n: [f64; 3],
+    /// Strain energy of the modelled body, mJ.
+    pub strain_energy_mj: f64,
+}
+
+/// Contact at one landed pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ContactSummary {
+    /// Contact points that carry traction.
+    pub points_active: usize,
+    /// Reference area of these points, mm².
+    pub area_mm2: f64,
+    /// Largest depth by which walls pass through each other, from dense sampling of the deformed faces, mm.
+    pub max_penetration_mm: f64,
+    /// Slave area behind the master walls, from dense sampling, mm².
+    pub penetrating_area_mm2: f64,
+    /// Gaps whose walls touch somewhere, from dense sampling.
+    pub gaps_in_contact: usize,
+    /// Least signed distance of facing walls, from dense sampling, mm; left out for a body without gaps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_gap_mm: Option<f64>,
+}
+
+/// Where a probe sits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ProbeSite {
+    /// Node taken.
+    pub node: usize,
+    /// Its reference position, mm.
+    pub at: [f64; 3],
+    /// Its distance from the requested position, mm.
+    pub distance_mm: f64,
+}
+
+/// A state with everything derived from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    /// For `summary.json`.
+    pub summary: StepSummary,
+    /// Stresses.
+    pub stress: stress::StressField,
+    /// Contact.
+    pub contact: contact::ContactState,
+}
+
+/// The node every probe reads: the nearest one.
+pub fn probe_sites(mesh: &Mesh, probes: &[Probe]) -> BTreeMap<String, ProbeSite> {
+    probes
+        .iter()
+        .filter_map(|probe| {
+            let (node, distance_mm) = mesh.nearest_node(probe.at)?;
+            Some((probe.name.clone(), ProbeSite { node, at: mesh.nodes[node], distance_mm }))
+        })
+        .collect()
+}
+
+/// Derives everything reported about a state.
+///
+/// # Errors
+/// A list of the wrong length, a number that is not finite, or an inverted element.
+pub fn describe(
+    problem: &Problem,
+    sites: &BTreeMap<String, ProbeSite>,
+    state: &State<'_>,
+) -> Result<Described, PostError> {
+    let u = state.displacement;
+    let stress = stress::recover(problem, u)?;
+    let contact = contact::evaluate(problem, u)?;
+    let penetration = penetration::measure(problem, u)?;
+    let largest = stress.largest_von_mises();
+    let summary = StepSummary {
+        pressure_kpa: state.pressure_kpa,
+        converged: true,
+        iterations: state.iterations,
+        load_steps: state.load_steps,
+        probes: sites.iter().map(|(name, site)| (name.clone(), at_node(u, site.node as u32))).collect(),
+        end_face_angle_deg: measures::end_face_angle_deg(problem, u)?,
+        centreline: measures::centreline(problem, u)?,
+        max_von_mises_mpa: largest.map_or(0.0, |p| p.von_mises),
+        max_von_mises_at: largest.map_or([0.0; 3], |p| p.position),
+        von_mises_p99_mpa: stress.von_mises_quantile(0.99),
+        contact: ContactSummary {
+            points_active: contact.points_active,
+            area_mm2: contact.area_mm2,
+            max_penetration_mm: penetration.max_penetration_mm(),
+            penetrating_area_mm2: penetration.penetrating_area_mm2(),
+            gaps_in_contact: penetration.gaps_in_contact(),
+            min_gap_mm: penetration.min_gap_mm(),
+        },
+        cavity_volume_mm3: measures::cavity_volume(problem, u)?,
+        reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
+        strain_energy_mj: stress.strain_energy,
+    };
+    check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
+    Ok(Described { summary, stress, contact })
+}
+
+impl Described {
+    /// The texts of the state's field files: the body, and the contact walls if there are any.
+    ///
+    /// # Errors
+    /// A list of the wrong length or a number that is not finite.
+    pub fn field_files(&self, problem: &Problem, state: &State<'_>) -> Result<(String, Option<String>), PostError> {
+        let time = state.pressure_kpa;
+        let body = fields::body(problem, state.displacement, &self.stress, time)?.to_vtu()?;
+        let walls: Option<vtu::Grid> = fields::contact_walls(problem, state.displacement, &self.contact, time)?;
+        Ok((body, walls.map(|grid| grid.to_vtu()).transpose()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::two_chambers;
+
+    #[test]
+    fn a_state_at_rest_is_described() {
+        let problem = two_chambers(2.0);
+        let zero = vec![0.0; problem.num_dofs()];
+        let probes = [Probe { name: "tip".into(), at: [18.0, 0.1, 0.0] }];
+        let sites = probe_sites(&problem.mesh, &probes);
+        assert!((sites["tip"].distance_mm - 0.1).abs() < 1e-12);
+        let state = State { pressure_kpa: 5.0, displacement: &zero, reaction: &zero, iterations: 3, load_steps: 1 };
+        let described = describe(&problem, &sites, &state).unwrap();
+        let summary = &described.summary;
+        assert_eq!(summary.probes["tip"], [0.0; 3]);
+        assert_eq!((summary.end_face_angle_deg, summary.strain_energy_mj, summary.max_von_mises_mpa), (0.0, 0.0, 0.0));
+        assert!((summary.contact.min_gap_mm.unwrap() - 2.0).abs() < 1e-12);
+        let (body, walls) = described.field_files(&problem, &state).unwrap();
+        assert!(body.contains("von_mises") && walls.unwrap().contains("contact_traction"));
+        let json = serde_json::to_value(summary).unwrap();
+        for key in ["pressure_kpa", "converged", "iterations", "probes", "end_face_angle_deg", "centreline"] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
+    }
+}
