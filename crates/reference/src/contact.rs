@@ -1,0 +1,279 @@
+//! Frictionless penalty contact by brute force (theory §5): the energy ½ k ∫⟨−d⟩² dA₀ over the slaves' reference area.
+//!
+//! * Single-point: the centre of slave facet i against the centre of master facet i, d = (r_s − r_m) · n_m with the
+//!   master's normal at its centre. One Gauss point, so the area weight is 4 |X_ξ × X_η|.
+//! * Multiple-point: 4 × 4 Gauss points on every slave facet, each projected on *every* master facet of the pair.
+//!
+//! Which projection counts, in the order of the master list:
+//! 1. among facets with converged |ξ|, |η| ≤ 1 + 1e−9 the nearest, the first of equals;
+//! 2. otherwise among those with |ξ|, |η| ≤ 1.1 the nearest;
+//! 3. otherwise none: no contact.
+//!
+//! # Derivatives through the projection
+//! (ξ, η) solves g(ξ, q) = (r_m − r_s) · r_m,ξ = 0 and so depends on q. The search runs in real numbers until
+//! convergence. Then Newton steps ξ ← ξ − (∂g/∂ξ)⁻¹ g are repeated in dual numbers, starting at the converged real point. There the
+//! error as a function of δq is O(δq), after one step O(δq²), after two O(δq⁴): two steps carry exact first and second
+//! derivatives.
+
+use nalgebra::{DMatrix, DVector};
+use pneuflex_model::{ContactMethod, ContactPair, Problem};
+
+use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, normalised, vector};
+use crate::error::ReferenceError;
+use crate::quadrature;
+use crate::shape::ShapeFunctions;
+
+/// A projection counts as inside its facet up to this excess of |ξ|, |η| over 1.
+const INSIDE: f64 = 1e-9;
+/// Without any projection inside, one this far outside is accepted: it bridges the wedge between tilted neighbours.
+const MARGIN: f64 = 0.1;
+/// Convergence of the projection in (ξ, η).
+const PROJECTION_TOLERANCE: f64 = 1e-12;
+const PROJECTION_ITERATIONS: usize = 50;
+
+/// A slave point that has found its master point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Number of the pair in the problem.
+    pub pair: usize,
+    /// Position in the pair's list of slave facets.
+    pub slave: usize,
+    /// Number of the point on its facet, ξ fastest.
+    pub point: usize,
+    /// Position in the pair's list of master facets.
+    pub master: usize,
+    /// (ξ, η) on the master facet.
+    pub xi: [f64; 2],
+    /// Signed distance d = (r_s − r_m) · n_m, mm; negative inside the master.
+    pub gap: f64,
+    /// Share of the slave's reference area, mm².
+    pub area: f64,
+}
+
+/// Contact of a problem.
+#[derive(Clone, Debug)]
+pub struct ContactModel {
+    method: ContactMethod,
+    stiffness: f64,
+    pairs: Vec<ContactPair>,
+    positions: Vec<[f64; 3]>,
+    // Nodes of the facets of every pair: slave, master.
+    facets: Vec<[Vec<Vec<u32>>; 2]>,
+    shape: ShapeFunctions<2>,
+    rule: Vec<([f64; 2], f64)>,
+}
+
+/// ½ k A ⟨−d⟩² with a given master point; v holds r_s, r_m, r_m,ξ, r_m,η.
+#[derive(Clone, Debug)]
+struct FixedPoint {
+    // k A, N/mm
+    stiffness: f64,
+}
+
+impl Energy<12> for FixedPoint {
+    fn energy<D: Dual>(&self, v: &[D; 12]) -> D {
+        let [slave, master, along_xi, along_eta] = std::array::from_fn(|k| vector(v, k));
+        penalty(self.stiffness, distance(slave, master, along_xi, along_eta))
+    }
+}
+
+/// ½ k A ⟨−d⟩² with the closest point of a master facet; v holds r_s and the positions of the facet's nodes.
+#[derive(Clone, Debug)]
+struct ClosestPoint<'a> {
+    stiffness: f64,
+    shape: &'a ShapeFunctions<2>,
+    // Converged projection at the present displacements.
+    xi: [f64; 2],
+}
+
+impl<const N: usize> Energy<N> for ClosestPoint<'_> {
+    fn energy<D: Dual>(&self, v: &[D; N]) -> D {
+        let slave = vector(v, 0);
+        let nodes: Vec<[D; 3]> = (1..N / 3).map(|k| vector(v, k)).collect();
+        let mut xi = self.xi.map(D::from);
+        for _ in 0..2 {
+            let step = projection_step(self.shape, slave, &nodes, &xi);
+            xi = [xi[0] + step[0], xi[1] + step[1]];
+        }
+        let [master, along_xi, along_eta] =
+            [[0, 0], [1, 0], [0, 1]].map(|orders| interpolate(&nodes, &self.shape.derivatives(orders, &xi)));
+        penalty(self.stiffness, distance(slave, master, along_xi, along_eta))
+    }
+}
+
+/// ½ k A ⟨−d⟩².
+fn penalty<D: Dual>(stiffness: f64, d: D) -> D {
+    if d < 0.0 { d * d * (0.5 * stiffness) } else { D::from(0.0) }
+}
+
+/// d = (r_s − r_m) · n_m.
+fn distance<D: Dual>(slave: [D; 3], master: [D; 3], along_xi: [D; 3], along_eta: [D; 3]) -> D {
+    dot(minus(slave, master), normalised(cross(along_xi, along_eta)))
+}
+
+/// Σ cₐ rₐ.
+fn interpolate<D: Dual>(nodes: &[[D; 3]], coefficients: &[D]) -> [D; 3] {
+    std::array::from_fn(|i| nodes.iter().zip(coefficients).fold(D::from(0.0), |sum, (r, &c)| sum + r[i] * c))
+}
+
+/// Newton step of minimising ½ ‖r_s − r_m(ξ, η)‖² over the facet's (extended) surface.
+fn projection_step<D: Dual>(shape: &ShapeFunctions<2>, slave: [D; 3], nodes: &[[D; 3]], xi: &[D; 2]) -> [D; 2] {
+    let r = |orders: [usize; 2]| interpolate(nodes, &shape.derivatives(orders, xi));
+    let offset = minus(r([0, 0]), slave);
+    let tangents = [r([1, 0]), r([0, 1])];
+    let curvatures = [r([2, 0]), r([1, 1]), r([0, 2])];
+    let g = tangents.map(|t| dot(offset, t));
+    let h = |a: usize, b: usize| dot(tangents[a], tangents[b]) + dot(offset, curvatures[a + b]);
+    let determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(0, 1);
+    [(h(0, 1) * g[1] - h(1, 1) * g[0]) / determinant, (h(0, 1) * g[0] - h(0, 0) * g[1]) / determinant]
+}
+
+impl ContactModel {
+    /// Contact between the problem's pairs.
+    ///
+    /// # Errors
+    /// An element family without a formulation, or lists of unequal length in single-point contact.
+    pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
+        let mesh = &problem.mesh;
+        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
+        let shape = ShapeFunctions::of_face(mesh.face_kind()).ok_or(wrong)?;
+        let method = problem.contact.method;
+        for pair in &problem.contact_pairs {
+            if method == ContactMethod::SinglePoint && pair.slave.len() != pair.master.len() {
+                let (slave, master) = (pair.slave.len(), pair.master.len());
+                return Err(ReferenceError::UnpairedFacets { pair: pair.name.clone(), slave, master });
+            }
+        }
+        let nodes = |facets: &[_]| facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
+        Ok(Self {
+            method,
+            stiffness: problem.contact.stiffness,
+            facets: problem.contact_pairs.iter().map(|p| [nodes(&p.slave), nodes(&p.master)]).collect(),
+            pairs: problem.contact_pairs.clone(),
+            positions: mesh.nodes.clone(),
+            shape,
+            rule: quadrature::tensor(if method == ContactMethod::SinglePoint { 1 } else { 4 }),
+        })
+    }
+
+    /// ½ k ∫⟨−d⟩² dA₀ at displacements `u`, N·mm.
+    pub fn energy(&self, u: &[f64]) -> f64 {
+        self.active_terms(u).iter().map(|term| term.value(u)).sum()
+    }
+
+    /// ∂energy/∂u, N: minus the contact forces, −Q_c of theory §6.
+    pub fn gradient(&self, u: &[f64]) -> DVector<f64> {
+        let mut gradient = DVector::zeros(u.len());
+        self.active_terms(u).iter().for_each(|term| term.add_gradient(u, 1.0, &mut gradient));
+        gradient
+    }
+
+    /// ∂²energy/∂u², N/mm.
+    pub fn hessian(&self, u: &[f64]) -> DMatrix<f64> {
+        let mut hessian = DMatrix::zeros(u.len(), u.len());
+        self.active_terms(u).iter().for_each(|term| term.add_hessian(u, 1.0, &mut hessian));
+        hessian
+    }
+
+    /// Every slave point that has a master point, touching or not.
+    pub fn points(&self, u: &[f64]) -> Vec<ContactPoint> {
+        let mut points = Vec::new();
+        if self.method == ContactMethod::None {
+            return points;
+        }
+        for pair in 0..self.pairs.len() {
+            for slave in 0..self.facets[pair][0].len() {
+                for (point, &(xi, weight)) in self.rule.iter().enumerate() {
+                    let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| self.shape.derivatives(orders, &xi));
+                    let at = |k: usize, nodes: &[[f64; 3]]| interpolate(nodes, &rows[k]);
+                    let reference: Vec<_> =
+                        self.facets[pair][0][slave].iter().map(|&n| self.positions[n as usize]).collect();
+                    let normal = cross(at(1, &reference), at(2, &reference));
+                    let area = weight * dot(normal, normal).sqrt();
+                    let r_s = at(0, &self.deformed(&self.facets[pair][0][slave], u));
+                    let found = match self.method {
+                        ContactMethod::SinglePoint => Some((slave, [0.0; 2])),
+                        _ => self.closest(pair, r_s, u),
+                    };
+                    if let Some((master, xi)) = found {
+                        let nodes = self.deformed(&self.facets[pair][1][master], u);
+                        let [r_m, along_xi, along_eta] = [[0, 0], [1, 0], [0, 1]]
+                            .map(|orders| interpolate(&nodes, &self.shape.derivatives(orders, &xi)));
+                        let gap = distance(r_s, r_m, along_xi, along_eta);
+                        points.push(ContactPoint { pair, slave, point, master, xi, gap, area });
+                    }
+                }
+            }
+        }
+        points
+    }
+
+    /// The rule in the module's text: master facet and (ξ, η).
+    fn closest(&self, pair: usize, r_s: [f64; 3], u: &[f64]) -> Option<(usize, [f64; 2])> {
+        let candidates: Vec<(usize, [f64; 2], f64)> = self.facets[pair][1]
+            .iter()
+            .enumerate()
+            .filter_map(|(master, nodes)| {
+                let nodes = self.deformed(nodes, u);
+                let xi = project(&self.shape, r_s, &nodes)?;
+                let offset = minus(r_s, interpolate(&nodes, &self.shape.derivatives([0, 0], &xi)));
+                Some((master, xi, dot(offset, offset)))
+            })
+            .collect();
+        let nearest_within = |limit: f64| {
+            // `min_by` returns the first of equals.
+            candidates
+                .iter()
+                .filter(|(_, xi, _)| xi.iter().all(|x| x.abs() <= limit))
+                .min_by(|a, b| a.2.total_cmp(&b.2))
+                .map(|&(master, xi, _)| (master, xi))
+        };
+        nearest_within(1.0 + INSIDE).or_else(|| nearest_within(1.0 + MARGIN))
+    }
+
+    fn deformed(&self, nodes: &[u32], u: &[f64]) -> Vec<[f64; 3]> {
+        let position = |n: usize| std::array::from_fn(|i| self.positions[n][i] + u[3 * n + i]);
+        nodes.iter().map(|&n| position(n as usize)).collect()
+    }
+
+    /// Energies of the touching points.
+    fn active_terms(&self, u: &[f64]) -> Vec<Box<dyn Differentiable + '_>> {
+        self.points(u).iter().filter(|point| point.gap < 0.0).map(|point| self.term(point)).collect()
+    }
+
+    fn term(&self, point: &ContactPoint) -> Box<dyn Differentiable + '_> {
+        let [slaves, masters] = &self.facets[point.pair];
+        let (slave, master) = (&slaves[point.slave], &masters[point.master]);
+        let (nodes, n) = ([slave.clone(), master.clone()].concat(), slave.len());
+        let on_slave = [self.shape.values(&self.rule[point.point].0), vec![0.0; n]].concat();
+        let stiffness = self.stiffness * point.area;
+        if self.method == ContactMethod::SinglePoint {
+            let on_master = [[0, 0], [1, 0], [0, 1]]
+                .map(|orders| [vec![0.0; n], self.shape.derivatives(orders, &point.xi)].concat());
+            let rows = [&[on_slave], &on_master[..]].concat();
+            let map = LinearMap::of_positions(&nodes, &self.positions, &rows);
+            return Box::new(Term::<12, _> { energy: FixedPoint { stiffness }, map });
+        }
+        let mut rows = vec![on_slave];
+        rows.extend((0..n).map(|a| (0..2 * n).map(|b| f64::from(b == n + a)).collect()));
+        let energy = ClosestPoint { stiffness, shape: &self.shape, xi: point.xi };
+        match n {
+            4 => Box::new(Term::<15, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
+            8 => Box::new(Term::<27, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
+            _ => Box::new(Term::<30, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
+        }
+    }
+}
+
+/// Closest point of the facet's extended surface by Newton's method from its centre; `None` without convergence.
+fn project(shape: &ShapeFunctions<2>, r_s: [f64; 3], nodes: &[[f64; 3]]) -> Option<[f64; 2]> {
+    let mut xi = [0.0; 2];
+    for _ in 0..PROJECTION_ITERATIONS {
+        let step = projection_step(shape, r_s, nodes, &xi);
+        xi = [xi[0] + step[0], xi[1] + step[1]];
+        if step.iter().all(|s| s.abs() < PROJECTION_TOLERANCE) {
+            return Some(xi);
+        }
+    }
+    None
+}

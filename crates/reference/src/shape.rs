@@ -1,0 +1,171 @@
+//! Shape functions from nothing but the nodes' reference coordinates.
+//!
+//! Every family on [−1, 1]ᵈ is spanned by the monomials ξᵃ ηᵇ ζᶜ with exponents up to 2 of which at most `q` may be 2:
+//! q = 0 gives hex8 and quad4, q = 1 the serendipity families hex20 and quad8, q = d the full ones hex27 and quad9.
+//! Nᵢ(ξⱼ) = δᵢⱼ then fixes the coefficients: the inverse of the Vandermonde matrix of the nodes.
+
+use nalgebra::DMatrix;
+use pneuflex_mesh::{ElementKind, FaceKind};
+
+use crate::differentiate::Dual;
+
+/// Shape functions of an element (`DIM` = 3) or a face (`DIM` = 2).
+#[derive(Clone, Debug)]
+pub struct ShapeFunctions<const DIM: usize> {
+    exponents: Vec<[usize; DIM]>,
+    // Row i holds the coefficients of Nᵢ.
+    coefficients: DMatrix<f64>,
+}
+
+impl ShapeFunctions<3> {
+    /// Shape functions of a solid element; `None` for tetrahedra, which no formulation uses.
+    pub fn of_element(kind: ElementKind) -> Option<Self> {
+        let quadratic = match kind {
+            ElementKind::Hex8 => 0,
+            ElementKind::Hex20 => 1,
+            ElementKind::Hex27 => 3,
+            ElementKind::Tet10 => return None,
+        };
+        Self::from_nodes(&kind.reference_nodes(), quadratic)
+    }
+}
+
+impl ShapeFunctions<2> {
+    /// Shape functions of a face; `None` for triangles.
+    pub fn of_face(kind: FaceKind) -> Option<Self> {
+        let quadratic = match kind {
+            FaceKind::Quad4 => 0,
+            FaceKind::Quad8 => 1,
+            FaceKind::Quad9 => 2,
+            FaceKind::Tri6 => return None,
+        };
+        // Corners, mid-edges in the order of the corners, centre.
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mut nodes = corners.to_vec();
+        nodes.extend((0..4).map(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % 4]);
+            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+        }));
+        nodes.push([0.0, 0.0]);
+        Self::from_nodes(&nodes[..kind.num_nodes()], quadratic)
+    }
+}
+
+impl<const DIM: usize> ShapeFunctions<DIM> {
+    fn from_nodes(nodes: &[[f64; DIM]], quadratic: usize) -> Option<Self> {
+        let exponents: Vec<[usize; DIM]> = (0..3_usize.pow(DIM as u32))
+            .map(|code| std::array::from_fn(|d| code / 3_usize.pow(d as u32) % 3))
+            .filter(|exponents| exponents.iter().filter(|&&e| e == 2).count() <= quadratic)
+            .collect();
+        let vandermonde = DMatrix::from_fn(exponents.len(), nodes.len(), |m, i| {
+            (0..DIM).map(|d| nodes[i][d].powi(exponents[m][d] as i32)).product()
+        });
+        vandermonde.try_inverse().map(|coefficients| Self { exponents, coefficients })
+    }
+
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.coefficients.nrows()
+    }
+
+    /// Derivatives of all Nᵢ at `xi`, `orders[d]` times with respect to coordinate d; all zero for the values themselves.
+    pub fn derivatives<D: Dual>(&self, orders: [usize; DIM], xi: &[D; DIM]) -> Vec<D> {
+        let monomials: Vec<D> = self
+            .exponents
+            .iter()
+            .map(|exponents| (0..DIM).fold(D::from(1.0), |product, d| product * power(xi[d], exponents[d], orders[d])))
+            .collect();
+        (0..self.num_nodes())
+            .map(|i| {
+                monomials.iter().zip(self.coefficients.row(i).iter()).fold(D::from(0.0), |sum, (m, &c)| sum + *m * c)
+            })
+            .collect()
+    }
+
+    /// Nᵢ at `xi`.
+    pub fn values(&self, xi: &[f64; DIM]) -> Vec<f64> {
+        self.derivatives([0; DIM], xi)
+    }
+
+    /// ∂Nᵢ/∂ξ at `xi`.
+    pub fn gradients(&self, xi: &[f64; DIM]) -> Vec<[f64; DIM]> {
+        let along: Vec<Vec<f64>> = (0..DIM)
+            .map(|d| {
+                let mut orders = [0; DIM];
+                orders[d] = 1;
+                self.derivatives(orders, xi)
+            })
+            .collect();
+        (0..self.num_nodes()).map(|i| std::array::from_fn(|d| along[d][i])).collect()
+    }
+}
+
+/// dᵏ/dxᵏ of xᵃ for a ≤ 2.
+fn power<D: Dual>(x: D, exponent: usize, order: usize) -> D {
+    match (exponent, order) {
+        (0, 0) => D::from(1.0),
+        (1, 0) => x,
+        (2, 0) => x * x,
+        (1, 1) => D::from(1.0),
+        (2, 1) => x * 2.0,
+        (2, 2) => D::from(2.0),
+        _ => D::from(0.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shape_functions_are_one_at_their_node_and_sum_to_one() {
+        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27] {
+            let shape = ShapeFunctions::of_element(kind).unwrap();
+            for (j, node) in kind.reference_nodes().iter().enumerate() {
+                for (i, value) in shape.values(node).iter().enumerate() {
+                    assert!((value - f64::from(i == j)).abs() < 1e-13, "{kind:?} N{i} at node {j}: {value}");
+                }
+            }
+            let sum: f64 = shape.values(&[0.3, -0.2, 0.7]).iter().sum();
+            assert!((sum - 1.0).abs() < 1e-13);
+        }
+        assert!(ShapeFunctions::of_element(ElementKind::Tet10).is_none());
+    }
+
+    #[test]
+    fn a_face_is_the_trace_of_its_element() {
+        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27] {
+            let (shape, face) =
+                (ShapeFunctions::of_element(kind).unwrap(), ShapeFunctions::of_face(kind.face_kind()).unwrap());
+            let nodes = kind.reference_nodes();
+            for local in 0..6 {
+                let on_face = face.values(&[0.3, -0.6]);
+                let ids = kind.face_nodes(local);
+                let point: [f64; 3] =
+                    std::array::from_fn(|d| ids.iter().zip(&on_face).map(|(&n, v)| v * nodes[n][d]).sum());
+                let in_element = shape.values(&point);
+                for (&n, v) in ids.iter().zip(&on_face) {
+                    assert!((in_element[n] - v).abs() < 1e-13, "{kind:?} face {local}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_match_finite_differences() {
+        let (shape, h) = (ShapeFunctions::of_face(FaceKind::Quad9).unwrap(), 1e-5);
+        let xi = [0.31, -0.47];
+        for orders in [[0, 0], [1, 0], [0, 1]] {
+            for d in 0..2 {
+                let (mut low, mut high, mut next) = (xi, xi, orders);
+                low[d] -= h;
+                high[d] += h;
+                next[d] += 1;
+                let (low, high) = (shape.derivatives(orders, &low), shape.derivatives(orders, &high));
+                for (i, exact) in shape.derivatives(next, &xi).iter().enumerate() {
+                    assert!((exact - (high[i] - low[i]) / (2.0 * h)).abs() < 1e-9);
+                }
+            }
+        }
+    }
+}

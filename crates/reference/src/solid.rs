@@ -1,0 +1,307 @@
+//! The solid: strain energy of all elements, with the pressures of nearly incompressible elements (theory §3).
+//!
+//! Every formulation is the saddle-point energy
+//!
+//! ```text
+//! Π(u, p) = Σ_dev w φ(G) + Σ_vol w [ p (J − 1) − p² / (2κ) ],     p = Σ ψᵢ pᵢ
+//! ```
+//!
+//! over its deviatoric and its volumetric points, with weights w that contain the reference volume:
+//!
+//! | formulation | deviatoric points | volumetric points | ψ |
+//! |---|---|---|---|
+//! | `hex8-sri` | 2×2×2 | the centre, w = Vₑ | 1 |
+//! | `hex8-q1p0` | 2×2×2 | 2×2×2 | 1 |
+//! | `hex20` | 2×2×2 | 3×3×3 | 1, ξ, η, ζ |
+//! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
+//!
+//! Π is quadratic in p. Its stationary value is the primal energy: with θᵢ = Σ w ψᵢ (J − 1) and Mᵢⱼ = Σ w ψᵢ ψⱼ it is
+//! p = κ M⁻¹ θ and Σ φ + ½ κ θᵀ M⁻¹ θ, that is ½ κ (J_C − 1)² Vₑ for `hex8-sri` and ½ κ (J̄ − 1)² Vₑ for `hex8-q1p0`.
+//! The derivatives of the primal energy follow by eliminating p from those of Π, exactly.
+
+use nalgebra::{DMatrix, DVector, Matrix3};
+use pneuflex_model::{Formulation, Material, Problem};
+
+use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term};
+use crate::energy::{deviatoric, gradient_from, jacobian};
+use crate::error::ReferenceError;
+use crate::quadrature;
+use crate::shape::ShapeFunctions;
+
+/// One integration point's share of Π; v holds G row by row, then p.
+#[derive(Clone, Debug)]
+struct SaddlePoint {
+    material: Material,
+    // Weights of the two parts of Π at this point, mm³.
+    deviatoric: f64,
+    volumetric: f64,
+}
+
+impl Energy<10> for SaddlePoint {
+    fn energy<D: Dual>(&self, v: &[D; 10]) -> D {
+        let (g, p) = (gradient_from(v), v[9]);
+        let mut energy = D::from(0.0);
+        if self.deviatoric > 0.0 {
+            energy += deviatoric(&self.material, &g) * self.deviatoric;
+        }
+        if self.volumetric > 0.0 {
+            let complementary = p * p / (2.0 * self.material.bulk_modulus);
+            energy += (p * (jacobian(&g) - 1.0) - complementary) * self.volumetric;
+        }
+        energy
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Element {
+    // Displacements of the element's nodes, three each.
+    dofs: Vec<usize>,
+    // In local numbering: displacements first, then pressures.
+    terms: Vec<Term<10, SaddlePoint>>,
+}
+
+/// A point of an element's rule: reference coordinates, weight, deviatoric?, volumetric?
+type RulePoint = ([f64; 3], f64, bool, bool);
+
+/// The solid of a problem.
+#[derive(Clone, Debug)]
+pub struct SolidModel {
+    num_dofs: usize,
+    pressures_per_element: usize,
+    elements: Vec<Element>,
+}
+
+impl SolidModel {
+    /// Prepares all integration points.
+    ///
+    /// # Errors
+    /// An element family that does not fit the formulation, or an inverted element.
+    pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
+        let kind = problem.mesh.kind;
+        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: kind };
+        if problem.formulation.element_kind() != kind {
+            return Err(wrong);
+        }
+        let shape = ShapeFunctions::of_element(kind).ok_or(wrong)?;
+        let pressures_per_element = match problem.formulation {
+            Formulation::Hex8Sri | Formulation::Hex8Q1p0 => 1,
+            Formulation::Hex20 | Formulation::Hex27 => 4,
+        };
+        let elements = (0..problem.mesh.num_elements())
+            .map(|e| build_element(problem, e, &shape, pressures_per_element))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { num_dofs: problem.num_dofs(), pressures_per_element, elements })
+    }
+
+    /// Number of displacements, three per node.
+    pub fn num_dofs(&self) -> usize {
+        self.num_dofs
+    }
+
+    /// Number of pressures: 1 per hex8, 4 per hex20 and hex27.
+    pub fn num_pressures(&self) -> usize {
+        self.pressures_per_element * self.elements.len()
+    }
+
+    /// Primal energy at displacements `u`, N·mm: Π at its stationary pressures.
+    pub fn energy(&self, u: &[f64]) -> f64 {
+        self.saddle_energy(u, &self.pressures(u))
+    }
+
+    /// Primal internal forces ∂energy/∂u, N; Q_k of theory §6.
+    pub fn gradient(&self, u: &[f64]) -> DVector<f64> {
+        self.saddle_gradient(u, &self.pressures(u)).rows(0, self.num_dofs).into_owned()
+    }
+
+    /// Primal tangent ∂²energy/∂u², N/mm.
+    pub fn hessian(&self, u: &[f64]) -> DMatrix<f64> {
+        self.condensed_hessian(u, &self.pressures(u))
+    }
+
+    /// Stationary pressures p = κ M⁻¹ θ of every element, MPa, element by element.
+    pub fn pressures(&self, u: &[f64]) -> Vec<f64> {
+        (0..self.elements.len()).flat_map(|e| self.element_pressures(e, u)).collect()
+    }
+
+    /// Π(u, p), N·mm.
+    pub fn saddle_energy(&self, u: &[f64], p: &[f64]) -> f64 {
+        let values = self.elements.iter().enumerate().map(|(e, element)| {
+            let x = self.local(e, u, self.own_pressures(e, p));
+            element.terms.iter().map(|term| term.value(&x)).sum::<f64>()
+        });
+        values.sum()
+    }
+
+    /// ∂Π/∂(u, p): forces, N, followed by volume defects Σ w ψᵢ (J − 1 − p/κ), mm³.
+    pub fn saddle_gradient(&self, u: &[f64], p: &[f64]) -> DVector<f64> {
+        let mut gradient = DVector::zeros(self.num_dofs + self.num_pressures());
+        for e in 0..self.elements.len() {
+            let local = self.element_saddle_gradient(e, u, self.own_pressures(e, p));
+            for (&dof, value) in self.global(e).iter().zip(local.iter()) {
+                gradient[dof] += value;
+            }
+        }
+        gradient
+    }
+
+    /// ∂²Π/∂(u, p)²: \[K B; Bᵀ −M/κ\].
+    pub fn saddle_hessian(&self, u: &[f64], p: &[f64]) -> DMatrix<f64> {
+        let size = self.num_dofs + self.num_pressures();
+        let mut hessian = DMatrix::zeros(size, size);
+        for e in 0..self.elements.len() {
+            let local = self.element_saddle_hessian(e, u, self.own_pressures(e, p));
+            scatter(&local, &self.global(e), &mut hessian);
+        }
+        hessian
+    }
+
+    /// K + κ B M⁻¹ Bᵀ at any pressures: the tangent of a Newton step on (u, p) after p is eliminated.
+    pub fn condensed_hessian(&self, u: &[f64], p: &[f64]) -> DMatrix<f64> {
+        let mut hessian = DMatrix::zeros(self.num_dofs, self.num_dofs);
+        for e in 0..self.elements.len() {
+            let local = self.element_condensed_hessian(e, u, self.own_pressures(e, p));
+            scatter(&local, &self.elements[e].dofs, &mut hessian);
+        }
+        hessian
+    }
+
+    /// Stationary pressures of element `e`, MPa.
+    pub fn element_pressures(&self, e: usize, u: &[f64]) -> Vec<f64> {
+        let zero = vec![0.0; self.pressures_per_element];
+        let split = self.elements[e].dofs.len();
+        // Π is quadratic in p: one Newton step from p = 0 is exact.
+        let defect = self.element_saddle_gradient(e, u, &zero).rows(split, zero.len()).into_owned();
+        let curvature = self.element_saddle_hessian(e, u, &zero);
+        let curvature = curvature.view((split, split), (zero.len(), zero.len())).into_owned();
+        let step = curvature.lu().solve(&-defect).expect("M is positive definite");
+        step.iter().copied().collect()
+    }
+
+    /// Primal internal forces of element `e` at the displacements `u` of the whole mesh, N; three per node of the element.
+    pub fn element_gradient(&self, e: usize, u: &[f64]) -> DVector<f64> {
+        let gradient = self.element_saddle_gradient(e, u, &self.element_pressures(e, u));
+        gradient.rows(0, self.elements[e].dofs.len()).into_owned()
+    }
+
+    /// Element `e`'s block of [`Self::condensed_hessian`]; `p` holds its own pressures only.
+    pub fn element_condensed_hessian(&self, e: usize, u: &[f64], p: &[f64]) -> DMatrix<f64> {
+        let (split, m) = (self.elements[e].dofs.len(), self.pressures_per_element);
+        let full = self.element_saddle_hessian(e, u, p);
+        let (k, b) = (full.view((0, 0), (split, split)), full.view((0, split), (split, m)).into_owned());
+        let eliminated = full.view((split, split), (m, m)).into_owned().lu().solve(&b.transpose());
+        k - b * eliminated.expect("M is positive definite")
+    }
+
+    /// Smallest J over all integration points; an equilibrium with J ≤ 0 somewhere is none.
+    pub fn smallest_jacobian(&self, u: &[f64]) -> f64 {
+        let zero = vec![0.0; self.num_pressures()];
+        let mut smallest = f64::INFINITY;
+        for (e, element) in self.elements.iter().enumerate() {
+            let x = self.local(e, u, self.own_pressures(e, &zero));
+            for term in &element.terms {
+                smallest = smallest.min(jacobian(&gradient_from(term.map.apply(&x).as_slice())));
+            }
+        }
+        smallest
+    }
+
+    fn element_saddle_gradient(&self, e: usize, u: &[f64], p: &[f64]) -> DVector<f64> {
+        let x = self.local(e, u, p);
+        let mut gradient = DVector::zeros(x.len());
+        self.elements[e].terms.iter().for_each(|term| term.add_gradient(&x, 1.0, &mut gradient));
+        gradient
+    }
+
+    fn element_saddle_hessian(&self, e: usize, u: &[f64], p: &[f64]) -> DMatrix<f64> {
+        let x = self.local(e, u, p);
+        let mut hessian = DMatrix::zeros(x.len(), x.len());
+        self.elements[e].terms.iter().for_each(|term| term.add_hessian(&x, 1.0, &mut hessian));
+        hessian
+    }
+
+    /// The element's displacements and pressures in local numbering.
+    fn local(&self, e: usize, u: &[f64], p: &[f64]) -> Vec<f64> {
+        self.elements[e].dofs.iter().map(|&dof| u[dof]).chain(p.iter().copied()).collect()
+    }
+
+    /// Where the element's displacements and pressures stand among all.
+    fn global(&self, e: usize) -> Vec<usize> {
+        let first = self.num_dofs + e * self.pressures_per_element;
+        self.elements[e].dofs.iter().copied().chain(first..first + self.pressures_per_element).collect()
+    }
+
+    fn own_pressures<'a>(&self, e: usize, p: &'a [f64]) -> &'a [f64] {
+        &p[e * self.pressures_per_element..(e + 1) * self.pressures_per_element]
+    }
+}
+
+fn scatter(local: &DMatrix<f64>, dofs: &[usize], global: &mut DMatrix<f64>) {
+    for (j, &column) in dofs.iter().enumerate() {
+        for (i, &row) in dofs.iter().enumerate() {
+            global[(row, column)] += local[(i, j)];
+        }
+    }
+}
+
+fn build_element(
+    problem: &Problem,
+    e: usize,
+    shape: &ShapeFunctions<3>,
+    pressures: usize,
+) -> Result<Element, ReferenceError> {
+    let nodes = problem.mesh.element(e);
+    let positions: Vec<[f64; 3]> = nodes.iter().map(|&n| problem.mesh.nodes[n as usize]).collect();
+    let geometry = |xi: &[f64; 3]| {
+        let gradients = shape.gradients(xi);
+        // ∂X/∂ξ
+        let jacobian = Matrix3::from_fn(|i, j| positions.iter().zip(&gradients).map(|(x, g)| x[i] * g[j]).sum());
+        (gradients, jacobian)
+    };
+    let volume = quadrature::tensor(2).iter().map(|(xi, w)| w * geometry(xi).1.determinant()).sum::<f64>();
+
+    let mut terms = Vec::new();
+    for (xi, weight, is_deviatoric, is_volumetric) in rule(problem.formulation) {
+        let (gradients, jacobian) = geometry(&xi);
+        let determinant = jacobian.determinant();
+        let inverse = jacobian.try_inverse().filter(|_| determinant > 0.0);
+        let inverse = inverse.ok_or(ReferenceError::InvertedElement { element: e, jacobian: determinant })?;
+        // Gᵢⱼ = δᵢⱼ + Σₐ uₐᵢ ∂Nₐ/∂Xⱼ and p = Σ ψₖ pₖ.
+        let mut matrix = DMatrix::zeros(10, 3 * nodes.len() + pressures);
+        for (a, gradient) in gradients.iter().enumerate() {
+            for j in 0..3 {
+                let slope: f64 = (0..3).map(|k| gradient[k] * inverse[(k, j)]).sum();
+                for i in 0..3 {
+                    matrix[(3 * i + j, 3 * a + i)] = slope;
+                }
+            }
+        }
+        let psi = [1.0, xi[0], xi[1], xi[2]];
+        for (k, &value) in psi[..pressures].iter().enumerate() {
+            matrix[(9, 3 * nodes.len() + k)] = value;
+        }
+        let offset = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let w =
+            if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume } else { weight * determinant };
+        let energy = SaddlePoint {
+            material: problem.material.clone(),
+            deviatoric: if is_deviatoric { w } else { 0.0 },
+            volumetric: if is_volumetric { w } else { 0.0 },
+        };
+        terms.push(Term { energy, map: LinearMap { dofs: (0..matrix.ncols()).collect(), offset, matrix } });
+    }
+    let dofs = nodes.iter().flat_map(|&n| (0..3).map(move |axis| 3 * n as usize + axis)).collect();
+    Ok(Element { dofs, terms })
+}
+
+/// The table in the module's text.
+fn rule(formulation: Formulation) -> Vec<RulePoint> {
+    let points = |n: usize, is_deviatoric: bool, is_volumetric: bool| -> Vec<RulePoint> {
+        quadrature::tensor(n).into_iter().map(|(xi, w)| (xi, w, is_deviatoric, is_volumetric)).collect()
+    };
+    match formulation {
+        Formulation::Hex8Sri => [points(2, true, false), points(1, false, true)].concat(),
+        Formulation::Hex8Q1p0 => points(2, true, true),
+        Formulation::Hex20 => [points(2, true, false), points(3, false, true)].concat(),
+        Formulation::Hex27 => points(3, true, true),
+    }
+}
