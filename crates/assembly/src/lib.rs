@@ -1,1 +1,33 @@
-//! Element kernels and deterministic parallel assembly.
+//! Element kernels and their deterministic parallel assembly.
+//!
+//! Two levels that know nothing of each other:
+//!
+//! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
+//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`Pressure`] and [`Contact`] are
+//!   contributions.
+//! * global: [`Assembler`] knows blocks and node numbers only, and scatters what the blocks compute into a residual
+//!   vector and a node-blocked symmetric matrix.
+//!
+//! Nothing here knows about load steps, convergence or linear solvers.
+//!
+//! # Parallel and still the same to the last bit
+//!
+//! Ways to add elements in parallel: locks or atomics (order of summation changes from run to run); colouring (fixed
+//! order, but a pass over the mesh per colour, and neighbours never share a cache); private copies (memory times
+//! threads, order depends on their number); ordered scatter: blocks are computed in parallel batch by batch, and each
+//! batch is added in block order while the next one is being computed. The last is used: sums do not depend on the
+//! number of threads, and scattering costs a small part of computing.
+
+pub mod contact;
+pub mod formulation;
+pub mod global;
+pub mod local;
+pub mod pressure;
+pub mod solid;
+
+pub use contact::Contact;
+pub use formulation::ReferenceElement;
+pub use global::{Assembler, Totals};
+pub use local::{LocalBlock, LocalContribution, LocalError, Request};
+pub use pressure::Pressure;
+pub use solid::Solid;

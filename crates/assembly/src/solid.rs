@@ -1,0 +1,446 @@
+//! The solid: deviatoric energy at Gauss points, volumetric energy by pressure modes per element.
+//!
+//! # Kernel
+//!
+//! With ∇N the reference gradients, `f_a = F ∇N_a` and `c_a = cof F ∇N_a`, a material in the invariants (I₁, J) has
+//!
+//! ```text
+//! r_a  = w (2 W₁ f_a + W_J c_a)
+//! K_ab = w [2 W₁ (∇N_a·∇N_b) 1 + 4 W₁₁ f_a f_bᵀ + 2 W₁J (f_a c_bᵀ + c_a f_bᵀ) + W_JJ c_a c_bᵀ
+//!           + W_J/J (c_a c_bᵀ − c_b c_aᵀ)]
+//! ```
+//!
+//! The last term is the second derivative of J; it equals −W_J \[F (∇N_a × ∇N_b)\]ₓ, where \[v\]ₓ x = v × x.
+//!
+//! # Mixed linearisation
+//!
+//! The residual is that of the energy: its pressure is κ M⁻¹ θ. The tangent's geometric term may carry another one, an
+//! independent pressure p of each element that Newton's method updates by p ← κ M⁻¹ (θ + B δu) (Magisano, Leonetti &
+//! Garcea 2017, *Comput. Methods Appl. Mech. Engrg.* 313; design §3.1). At a solution the two agree, so the tangent is
+//! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
+
+use nalgebra::Matrix4;
+use pneuflex_material_yeoh::kinematics::cofactor;
+use pneuflex_material_yeoh::{Kinematics, Yeoh};
+use pneuflex_mesh::{ElementKind, Mesh, mesh::determinant};
+use pneuflex_model::{Formulation, Material};
+use rayon::prelude::*;
+
+use crate::formulation::{IntegrationPoint, ReferenceElement};
+use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
+
+/// All elements of a body.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    reference: ReferenceElement,
+    law: Yeoh,
+    bulk_modulus: f64,
+    nodes: Vec<[f64; 3]>,
+    connectivity: Vec<u32>,
+    /// M⁻¹ of every element; only the leading `num_modes` rows and columns count.
+    inverse_mass: Vec<[[f64; 4]; 4]>,
+    /// Pressure carried by the linearisation, `num_modes` per element; empty: that of the residual.
+    carried: Vec<f64>,
+}
+
+/// θ and its derivative B for one element.
+struct Dilatation<const N: usize> {
+    theta: [f64; 4],
+    gradient: [[[f64; 3]; N]; 4],
+}
+
+/// An element has no volume or is turned inside out at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("element {element} of the undeformed mesh has no positive volume")]
+pub struct DegenerateElement {
+    /// Element number.
+    pub element: usize,
+}
+
+impl Solid {
+    /// The body of a mesh.
+    ///
+    /// # Errors
+    /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
+    pub fn new(mesh: &Mesh, formulation: Formulation, material: &Material) -> Result<Self, DegenerateElement> {
+        let mut solid = Self {
+            reference: ReferenceElement::new(formulation),
+            law: Yeoh::new(material),
+            bulk_modulus: material.bulk_modulus,
+            nodes: mesh.nodes.clone(),
+            connectivity: mesh.connectivity.clone(),
+            inverse_mass: Vec::new(),
+            carried: Vec::new(),
+        };
+        for element in 0..mesh.num_elements() {
+            let mut mass = Matrix4::<f64>::zeros();
+            for point in &solid.reference.volumetric {
+                let volume = solid.point_volume(element, point);
+                if volume <= 0.0 || !volume.is_finite() {
+                    return Err(DegenerateElement { element });
+                }
+                for i in 0..4 {
+                    for j in 0..4 {
+                        mass[(i, j)] += volume * point.modes[i] * point.modes[j];
+                    }
+                }
+            }
+            // Modes that the formulation does not have are decoupled.
+            for i in solid.reference.num_modes..4 {
+                mass.row_mut(i).fill(0.0);
+                mass.column_mut(i).fill(0.0);
+                mass[(i, i)] = 1.0;
+            }
+            let inverse = mass.try_inverse().ok_or(DegenerateElement { element })?;
+            solid.inverse_mass.push(std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)])));
+        }
+        Ok(solid)
+    }
+
+    /// Number of pressure modes per element.
+    pub fn num_modes(&self) -> usize {
+        self.reference.num_modes
+    }
+
+    /// Lets the tangent's geometric term carry its own pressures, starting from those of the given displacements.
+    pub fn carry_pressures(&mut self, displacement: &[[f64; 3]]) {
+        self.carried = self.element_pressures(displacement, None);
+    }
+
+    /// Updates the carried pressures for a Newton correction δu computed at `displacement`: p ← κ M⁻¹ (θ + B δu).
+    pub fn update_pressures(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
+        self.carried = self.element_pressures(displacement, Some(correction));
+    }
+
+    /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: κ M⁻¹ θ, or with a correction
+    /// κ M⁻¹ (θ + B δu). The pressure at a point is Σ ψᵢ pᵢ; tension is positive.
+    pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
+        match self.reference.kind {
+            ElementKind::Hex8 => self.pressures_of::<8>(displacement, correction),
+            ElementKind::Hex20 => self.pressures_of::<20>(displacement, correction),
+            ElementKind::Hex27 => self.pressures_of::<27>(displacement, correction),
+            ElementKind::Tet10 => self.pressures_of::<10>(displacement, correction),
+        }
+    }
+
+    fn pressures_of<const N: usize>(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
+        let modes = self.reference.num_modes;
+        let mut pressures = vec![0.0; modes * self.inverse_mass.len()];
+        pressures.par_chunks_mut(modes).with_min_len(64).enumerate().for_each(|(element, out)| {
+            let u = self.gather::<N>(element, displacement);
+            let dilatation = self.dilatation::<N>(element, &u, correction.is_some());
+            let mut theta = dilatation.theta;
+            if let Some(correction) = correction {
+                let delta = self.gather::<N>(element, correction);
+                for (theta, gradient) in theta.iter_mut().zip(&dilatation.gradient).take(modes) {
+                    for a in 0..N {
+                        for k in 0..3 {
+                            *theta += gradient[a][k] * delta[a][k];
+                        }
+                    }
+                }
+            }
+            out.copy_from_slice(&self.pressure_of_dilatation(element, &theta)[..modes]);
+        });
+        pressures
+    }
+
+    fn pressure_of_dilatation(&self, element: usize, theta: &[f64; 4]) -> [f64; 4] {
+        let inverse = &self.inverse_mass[element];
+        std::array::from_fn(|i| {
+            if i < self.reference.num_modes {
+                self.bulk_modulus * (0..self.reference.num_modes).map(|j| inverse[i][j] * theta[j]).sum::<f64>()
+            } else {
+                0.0
+            }
+        })
+    }
+
+    fn element_nodes(&self, element: usize) -> &[u32] {
+        let n = self.reference.kind.num_nodes();
+        &self.connectivity[element * n..(element + 1) * n]
+    }
+
+    fn gather<const N: usize>(&self, element: usize, field: &[[f64; 3]]) -> [[f64; 3]; N] {
+        let nodes = self.element_nodes(element);
+        std::array::from_fn(|a| field[nodes[a] as usize])
+    }
+
+    /// Reference volume that an integration point stands for, mm³.
+    fn point_volume(&self, element: usize, point: &IntegrationPoint) -> f64 {
+        let volume_at = |p: &IntegrationPoint| {
+            let mut jacobian = [[0.0; 3]; 3];
+            for (&node, g) in self.element_nodes(element).iter().zip(&p.gradients) {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        jacobian[i][j] += self.nodes[node as usize][i] * g[j];
+                    }
+                }
+            }
+            p.weight * determinant(&jacobian)
+        };
+        if self.reference.is_centre_only {
+            self.reference.deviatoric.iter().map(volume_at).sum()
+        } else {
+            volume_at(point)
+        }
+    }
+
+    /// Reference gradients ∇N and the volume of an integration point.
+    fn gradients<const N: usize>(x: &[[f64; 3]; N], point: &IntegrationPoint) -> ([[f64; 3]; N], f64) {
+        let table: &[[f64; 3]; N] = point.gradients[..].try_into().expect("tables have one gradient per node");
+        let mut jacobian = [[0.0; 3]; 3];
+        for a in 0..N {
+            for i in 0..3 {
+                for j in 0..3 {
+                    jacobian[i][j] += x[a][i] * table[a][j];
+                }
+            }
+        }
+        // ∇N = J⁻ᵀ ∂N/∂ξ = cof(J) ∂N/∂ξ / det J.
+        let inverse_transpose = cofactor(&jacobian);
+        let det = determinant(&jacobian);
+        let scale = 1.0 / det;
+        let gradients = std::array::from_fn(|a| {
+            std::array::from_fn(|i| {
+                scale
+                    * (inverse_transpose[i][0] * table[a][0]
+                        + inverse_transpose[i][1] * table[a][1]
+                        + inverse_transpose[i][2] * table[a][2])
+            })
+        });
+        (gradients, point.weight * det)
+    }
+
+    fn dilatation<const N: usize>(&self, element: usize, u: &[[f64; 3]; N], with_gradient: bool) -> Dilatation<N> {
+        let x = self.gather::<N>(element, &self.nodes);
+        let modes = self.reference.num_modes;
+        let mut out = Dilatation { theta: [0.0; 4], gradient: [[[0.0; 3]; N]; 4] };
+        for point in &self.reference.volumetric {
+            let (gradients, mut volume) = Self::gradients(&x, point);
+            if self.reference.is_centre_only {
+                volume = self.point_volume(element, point);
+            }
+            let h = displacement_gradient(u, &gradients);
+            let (jacobian_minus_1, cof) = volume_change(&h);
+            for i in 0..modes {
+                out.theta[i] += volume * point.modes[i] * jacobian_minus_1;
+            }
+            if with_gradient {
+                for a in 0..N {
+                    let c = multiply(&cof, gradients[a]);
+                    for i in 0..modes {
+                        let factor = volume * point.modes[i];
+                        for k in 0..3 {
+                            out.gradient[i][a][k] += factor * c[k];
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    fn evaluate_nodes<const N: usize>(
+        &self,
+        element: usize,
+        displacement: &[[f64; 3]],
+        request: Request,
+        out: &mut LocalBlock,
+    ) -> Result<(), LocalError> {
+        let x = self.gather::<N>(element, &self.nodes);
+        let u = self.gather::<N>(element, displacement);
+        let modes = self.reference.num_modes;
+
+        let dilatation = self.dilatation::<N>(element, &u, request >= Request::Residual);
+        let pressure = self.pressure_of_dilatation(element, &dilatation.theta);
+        out.energy += 0.5 * (0..modes).map(|i| pressure[i] * dilatation.theta[i]).sum::<f64>();
+        if request >= Request::Residual {
+            for (a, r) in out.residual.iter_mut().enumerate() {
+                for k in 0..3 {
+                    for i in 0..modes {
+                        r[k] += pressure[i] * dilatation.gradient[i][a][k];
+                    }
+                }
+            }
+        }
+        if request == Request::Tangent {
+            self.add_volumetric_tangent(element, &x, &u, &dilatation, &pressure, out);
+        }
+
+        for (index, point) in self.reference.deviatoric.iter().enumerate() {
+            let (gradients, volume) = Self::gradients(&x, point);
+            let h = displacement_gradient(&u, &gradients);
+            let kinematics =
+                Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
+            let d = self.law.evaluate(&kinematics);
+            out.energy += volume * d.energy;
+            if request == Request::Energy {
+                continue;
+            }
+            let f: [[f64; 3]; N] = std::array::from_fn(|a| multiply(&kinematics.gradient, gradients[a]));
+            let c: [[f64; 3]; N] = std::array::from_fn(|a| multiply(&kinematics.cofactor, gradients[a]));
+            for a in 0..N {
+                for k in 0..3 {
+                    out.residual[a][k] += volume * (2.0 * d.w1 * f[a][k] + d.wj * c[a][k]);
+                }
+            }
+            if request == Request::Tangent {
+                let (alpha, skew) = (2.0 * volume * d.w1, volume * d.wj / kinematics.jacobian);
+                let (ff, fc, cc) = (4.0 * volume * d.w11, 2.0 * volume * d.w1j, volume * d.wjj);
+                let p: [[f64; 3]; N] = std::array::from_fn(|b| std::array::from_fn(|k| ff * f[b][k] + fc * c[b][k]));
+                let q: [[f64; 3]; N] =
+                    std::array::from_fn(|b| std::array::from_fn(|k| fc * f[b][k] + (cc + skew) * c[b][k]));
+                let mut pair = 0;
+                for a in 0..N {
+                    for b in 0..=a {
+                        let block = &mut out.tangent[pair];
+                        pair += 1;
+                        let product = alpha
+                            * (gradients[a][0] * gradients[b][0]
+                                + gradients[a][1] * gradients[b][1]
+                                + gradients[a][2] * gradients[b][2]);
+                        for j in 0..3 {
+                            for i in 0..3 {
+                                block[3 * j + i] += f[a][i] * p[b][j] + c[a][i] * q[b][j] - skew * c[b][i] * c[a][j];
+                            }
+                            block[4 * j] += product;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// κ Bᵀ M⁻¹ B and the second derivative of θ under the carried pressure.
+    fn add_volumetric_tangent<const N: usize>(
+        &self,
+        element: usize,
+        x: &[[f64; 3]; N],
+        u: &[[f64; 3]; N],
+        dilatation: &Dilatation<N>,
+        pressure: &[f64; 4],
+        out: &mut LocalBlock,
+    ) {
+        let modes = self.reference.num_modes;
+        let carried: [f64; 4] = if self.carried.is_empty() {
+            *pressure
+        } else {
+            std::array::from_fn(|i| if i < modes { self.carried[element * modes + i] } else { 0.0 })
+        };
+        let b = &dilatation.gradient;
+        let inverse = &self.inverse_mass[element];
+        let mut weighted = [[[0.0; 3]; N]; 4];
+        for i in 0..modes {
+            for j in 0..modes {
+                let factor = self.bulk_modulus * inverse[i][j];
+                for a in 0..N {
+                    for k in 0..3 {
+                        weighted[i][a][k] += factor * b[j][a][k];
+                    }
+                }
+            }
+        }
+        let mut pair = 0;
+        for a in 0..N {
+            for c in 0..=a {
+                let block = &mut out.tangent[pair];
+                pair += 1;
+                for i in 0..modes {
+                    for j in 0..3 {
+                        for k in 0..3 {
+                            block[3 * j + k] += b[i][a][k] * weighted[i][c][j];
+                        }
+                    }
+                }
+            }
+        }
+        for point in &self.reference.volumetric {
+            let (gradients, mut volume) = Self::gradients(x, point);
+            if self.reference.is_centre_only {
+                volume = self.point_volume(element, point);
+            }
+            let mut f = displacement_gradient(u, &gradients);
+            for i in 0..3 {
+                f[i][i] += 1.0;
+            }
+            let factor = volume * (0..modes).map(|i| point.modes[i] * carried[i]).sum::<f64>();
+            let mut pair = 0;
+            for a in 0..N {
+                for b in 0..=a {
+                    let block = &mut out.tangent[pair];
+                    pair += 1;
+                    let (ga, gb) = (gradients[a], gradients[b]);
+                    let cross =
+                        [ga[1] * gb[2] - ga[2] * gb[1], ga[2] * gb[0] - ga[0] * gb[2], ga[0] * gb[1] - ga[1] * gb[0]];
+                    let v = multiply(&f, cross).map(|t| factor * t);
+                    // −[v]ₓ, column by column.
+                    block[1] -= v[2];
+                    block[2] += v[1];
+                    block[3] += v[2];
+                    block[5] -= v[0];
+                    block[6] -= v[1];
+                    block[7] += v[0];
+                }
+            }
+        }
+    }
+}
+
+impl LocalContribution for Solid {
+    fn num_blocks(&self) -> usize {
+        self.inverse_mass.len()
+    }
+
+    fn nodes(&self, block: usize) -> &[u32] {
+        self.element_nodes(block)
+    }
+
+    fn evaluate(
+        &self,
+        block: usize,
+        displacement: &[[f64; 3]],
+        request: Request,
+        out: &mut LocalBlock,
+    ) -> Result<(), LocalError> {
+        match self.reference.kind {
+            ElementKind::Hex8 => self.evaluate_nodes::<8>(block, displacement, request, out),
+            ElementKind::Hex20 => self.evaluate_nodes::<20>(block, displacement, request, out),
+            ElementKind::Hex27 => self.evaluate_nodes::<27>(block, displacement, request, out),
+            ElementKind::Tet10 => self.evaluate_nodes::<10>(block, displacement, request, out),
+        }
+    }
+}
+
+#[inline]
+fn displacement_gradient<const N: usize>(u: &[[f64; 3]; N], gradients: &[[f64; 3]; N]) -> [[f64; 3]; 3] {
+    let mut h = [[0.0; 3]; 3];
+    for a in 0..N {
+        for i in 0..3 {
+            for j in 0..3 {
+                h[i][j] += u[a][i] * gradients[a][j];
+            }
+        }
+    }
+    h
+}
+
+/// J − 1 and cof F for the displacement gradient H, also for states that are turned inside out.
+#[inline]
+fn volume_change(h: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3]) {
+    let cof_h = cofactor(h);
+    let trace = h[0][0] + h[1][1] + h[2][2];
+    let second = cof_h[0][0] + cof_h[1][1] + cof_h[2][2];
+    let det = h[0][0] * cof_h[0][0] + h[0][1] * cof_h[0][1] + h[0][2] * cof_h[0][2];
+    let mut f = *h;
+    for i in 0..3 {
+        f[i][i] += 1.0;
+    }
+    (trace + second + det, cofactor(&f))
+}
+
+#[inline]
+fn multiply(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
+}
