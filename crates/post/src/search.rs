@@ -32,8 +32,6 @@ struct Branch {
 pub(crate) struct Closest {
     /// Index of the face in the list the surface was made of.
     pub facet: usize,
-    /// Where on the face.
-    pub projection: Projection,
     /// Signed distance, mm: negative behind the surface, on the side its normals point away from.
     ///
     /// A point whose closest point lies on an end of the surface, and that is further to the side than behind, is next
@@ -57,11 +55,6 @@ impl Surface {
             grow(&mut tree, &mut order, 0, &bounds);
         }
         Self { patches, open_edges: open_edges(problem, facets), tree, order }
-    }
-
-    /// The face of the surface at `index`, in the order of the facets it was made of.
-    pub fn patch(&self, index: usize) -> &Patch {
-        &self.patches[index]
     }
 
     /// The closest point, or `None` if the surface has no faces. `hint` is a face likely to be close.
@@ -100,11 +93,7 @@ impl Surface {
                 stack.extend(if a < b { [children[1], children[0]] } else { children });
             }
         }
-        best.map(|(facet, projection)| Closest {
-            facet,
-            projection,
-            signed_distance: self.signed_distance(facet, &projection),
-        })
+        best.map(|(facet, projection)| Closest { facet, signed_distance: self.signed_distance(facet, &projection) })
     }
 
     fn signed_distance(&self, facet: usize, projection: &Projection) -> f64 {
