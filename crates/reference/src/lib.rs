@@ -29,6 +29,11 @@ pub mod quadrature;
 pub mod shape;
 pub mod solid;
 pub mod solver;
+
+#[cfg(test)]
+mod chambers;
+#[cfg(test)]
+mod closed_forms;
 #[cfg(test)]
 mod testing;
 

@@ -84,3 +84,77 @@ impl AirModel {
         hessian
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pneuflex_mesh::{Actuator, Part};
+    use pneuflex_model::{ContactMethod, Formulation};
+
+    use super::*;
+    use crate::testing::{block, body, check_derivatives, displacement, material, noise, two_chambers};
+
+    #[test]
+    fn air_of_the_half_model_has_its_volume_at_rest_and_under_affine_maps() {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+            let problem = two_chambers([8.0, 9.0, 8.0], 2.0, formulation, ContactMethod::None);
+            let air = AirModel::new(&problem, CLOSED).unwrap();
+            // Two cavities, the channel's open part below them and its roofed part between them.
+            let volume = 2.0 * 6.0 * 9.0 * 8.0 + 2.0 * 12.0 + 4.0;
+            assert!((air.volume(&vec![0.0; problem.num_dofs()]) - volume).abs() < 1e-9);
+            // y = 0 stays a plane through the origin; determinant 1.1 · 0.9 · 1.3.
+            let u = displacement(&problem.mesh, |[x, y, z]| {
+                [1.1 * x + 0.2 * y + 0.1 * z + 5.0, 0.9 * y, 0.3 * y + 1.3 * z - 2.0]
+            });
+            assert!((air.volume(&u) - volume * 1.1 * 0.9 * 1.3).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn work_of_the_pressure_is_pressure_times_change_of_volume() {
+        let problem = two_chambers([8.0, 9.0, 8.0], 2.0, Formulation::Hex20, ContactMethod::None);
+        let air = AirModel::new(&problem, CLOSED).unwrap();
+        let (u, p) = (noise(problem.num_dofs(), 0.2), 0.035);
+        // ∫ Q_p · du along a straight path; forces are quadratic in the path's parameter, two Gauss points are exact.
+        let work: f64 = quadrature::gauss(2)
+            .iter()
+            .map(|&(t, w)| {
+                let at: Vec<f64> = u.iter().map(|u| 0.5 * (1.0 + t) * u).collect();
+                -0.5 * w * air.gradient(&at, p).dot(&DVector::from_column_slice(&u))
+            })
+            .sum();
+        let change = air.volume(&u) - air.volume(&vec![0.0; u.len()]);
+        assert!(change.abs() > 1.0 && (work - p * change).abs() < 1e-12, "{work}, {}", p * change);
+    }
+
+    #[test]
+    fn derivatives_in_a_deformed_state() {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+            let mesh = block(formulation, [1.0, 1.2, 0.8], [2, 1, 1], 0.05);
+            let mut problem = body(mesh, formulation, material(pneuflex_model::Invariant::Isochoric));
+            problem.pressure_facets = problem.mesh.boundary_facets()[1..4].to_vec();
+            let air = AirModel::new(&problem, CLOSED).unwrap();
+            let u = noise(problem.num_dofs(), 0.1);
+            check_derivatives(|u| air.energy(u, 0.3), |u| air.gradient(u, 0.3), |u| air.hessian(u, 0.3), &u);
+        }
+    }
+
+    /// A closed surface has no resultant, whatever its shape; here the cavities of a whole model.
+    #[test]
+    fn a_closed_cavity_has_no_resultant() {
+        let actuator = Actuator { part: Part::Whole, ..Actuator::two_chambers() };
+        let problem = pneuflex_model::Problem::from_actuator(
+            &actuator,
+            &pneuflex_mesh::MeshSize { size: [8.0, 9.0, 8.0], wall_elements: 1 },
+            Formulation::Hex8Sri,
+            pneuflex_model::Material::default(),
+            pneuflex_model::Contact::default(),
+        )
+        .unwrap();
+        let air = AirModel::new(&problem, CLOSED).unwrap();
+        let force = air.gradient(&noise(problem.num_dofs(), 0.3), 1.0);
+        assert!(force.norm() > 1.0);
+        for axis in 0..3 {
+            assert!(force.iter().skip(axis).step_by(3).sum::<f64>().abs() < 1e-10);
+        }
+    }
+}

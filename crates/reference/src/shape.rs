@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn derivatives_match_finite_differences() {
-        let (shape, h) = (ShapeFunctions::of_face(FaceKind::Quad9).unwrap(), 1e-5);
+        let (shape, h) = (ShapeFunctions::of_face(FaceKind::Quad9).unwrap(), 1e-5_f64);
         let xi = [0.31, -0.47];
         for orders in [[0, 0], [1, 0], [0, 1]] {
             for d in 0..2 {

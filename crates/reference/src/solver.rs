@@ -34,13 +34,15 @@ pub struct PathOptions {
     pub tolerance: f64,
     /// Iterations after which a load step is halved.
     pub max_iterations: usize,
-    /// How often the way from one requested load to the next may be halved.
-    pub max_halvings: u32,
+    /// Largest pressure step, kPa.
+    pub max_step_kpa: f64,
+    /// A step smaller than this fraction of the way from one requested load to the next is not tried.
+    pub min_fraction: f64,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 20, max_halvings: 8 }
+        Self { tolerance: 1e-9, max_iterations: 20, max_step_kpa: 10.0, min_fraction: 0.002 }
     }
 }
 
@@ -187,7 +189,7 @@ impl ReferenceSolver {
 
     /// Equilibria at the given loads in turn, from rest.
     ///
-    /// Every load is tried in one step; after a failure the step is halved, after a success doubled again.
+    /// The way to every load is divided into equal steps, which are halved after a failure and stay so up to that load.
     ///
     /// # Errors
     /// Prescribed displacements of the wrong length, or no convergence.
@@ -201,22 +203,22 @@ impl ReferenceSolver {
         let mut states = Vec::new();
         for target in loads {
             let mut corrections = Vec::new();
-            // Fraction of the way from `start` to `target`, in units of the smallest step so that it lands exactly.
-            let whole = 1_u64 << options.max_halvings;
-            let (mut done, mut stride) = (0, whole);
-            while done < whole {
-                let next = (done + stride).min(whole);
-                let load = self.between(&start, target, next as f64 / whole as f64)?;
+            // Fractions of the way from `start` to `target`.
+            let way = (target.pressure_kpa - start.pressure_kpa).abs();
+            let (mut done, mut stride) = (0.0, 1.0 / (way / options.max_step_kpa).ceil().max(1.0));
+            while done < 1.0 {
+                let next: f64 = done + stride;
+                let next = if next > 1.0 - 1e-9 { 1.0 } else { next };
+                let load = self.between(&start, target, next)?;
                 match self.newton(unknowns.clone(), &load, options, &mut corrections)? {
-                    Ok(converged) => {
-                        (unknowns, done) = (converged, next);
-                        stride = (2 * stride).min(whole);
+                    Ok(converged) => (unknowns, done) = (converged, next),
+                    Err(cause) => {
+                        stride /= 2.0;
+                        if stride < options.min_fraction {
+                            let from_kpa = self.between(&start, target, done)?.pressure_kpa;
+                            return Err(ReferenceError::NotConverged { from_kpa, to_kpa: load.pressure_kpa, cause });
+                        }
                     }
-                    Err(cause) if stride == 1 => {
-                        let from_kpa = self.between(&start, target, done as f64 / whole as f64)?.pressure_kpa;
-                        return Err(ReferenceError::NotConverged { from_kpa, to_kpa: load.pressure_kpa, cause });
-                    }
-                    Err(_) => stride /= 2,
                 }
             }
             states.push(self.state(&unknowns, target.pressure_kpa, corrections));
