@@ -28,19 +28,24 @@
 //!
 //! This crate knows nothing of meshes, elements or loads.
 
+mod assembly_tree;
+mod dense;
+mod elimination;
 mod error;
 pub mod faer_backend;
+mod front;
+mod numeric;
 mod ordering;
 mod outcome;
 mod pattern;
+mod plan;
+mod solve;
+mod symbolic;
 pub mod testing;
 
 pub use error::FactorError;
+pub use numeric::Factor;
 pub use ordering::Ordering;
 pub use outcome::{Inertia, Method, Parallelism};
 pub use pattern::{BlockPattern, multiply};
-
-/// Symbolic analysis for blocks of `B × B` values.
-pub type Symbolic<const B: usize> = faer_backend::FaerSymbolic<B>;
-/// Numeric factorisation for blocks of `B × B` values.
-pub type Factor<const B: usize> = faer_backend::FaerFactor<B>;
+pub use symbolic::Symbolic;

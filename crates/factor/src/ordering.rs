@@ -46,7 +46,8 @@ fn minimum_degree(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
 
 fn nested_dissection(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
     let adjacency = pattern.adjacency()?;
-    let graph = feral_metis::CscPattern::new(pattern.num_nodes(), &adjacency.offsets, &adjacency.neighbours)
+    let (offsets, neighbours) = adjacency.as_parts();
+    let graph = feral_metis::CscPattern::new(pattern.num_nodes(), offsets, neighbours)
         .ok_or_else(|| FactorError::Analysis("malformed node graph".into()))?;
     let order = feral_metis::metis_order(&graph).map_err(|error| FactorError::Analysis(error.to_string()))?;
     Ok(order.into_iter().map(|node| node as u32).collect())

@@ -165,8 +165,21 @@ impl BlockPattern {
 
 /// Both triangles of a node graph, without the diagonal (32-bit, as the orderings want it).
 pub(crate) struct Adjacency {
-    pub(crate) offsets: Vec<i32>,
-    pub(crate) neighbours: Vec<i32>,
+    offsets: Vec<i32>,
+    neighbours: Vec<i32>,
+}
+
+impl Adjacency {
+    /// Ascending neighbours of a node.
+    pub(crate) fn neighbours(&self, node: u32) -> &[i32] {
+        let node = node as usize;
+        &self.neighbours[self.offsets[node] as usize..self.offsets[node + 1] as usize]
+    }
+
+    /// The two compressed arrays: offsets and neighbours.
+    pub(crate) fn as_parts(&self) -> (&[i32], &[i32]) {
+        (&self.offsets, &self.neighbours)
+    }
 }
 
 /// `y = K x` for a symmetric matrix stored as `B × B` blocks on `pattern`.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pneuflex_factor::faer_backend::{FaerFactor, FaerSymbolic};
 use pneuflex_factor::testing::{BlockMatrix, Cell, Random, hollow_lattice, positive_definite_values, solid_lattice};
-use pneuflex_factor::{BlockPattern, FactorError, Inertia, Method, Ordering, Parallelism, multiply};
+use pneuflex_factor::{BlockPattern, Factor, FactorError, Inertia, Method, Ordering, Parallelism, Symbolic, multiply};
 
 type TestResult = Result<(), FactorError>;
 
@@ -23,6 +23,18 @@ impl<const B: usize> Backend for FaerFactor<B> {
     }
     fn factorize(&mut self, values: &[f64], held: &[bool], parallelism: Parallelism) -> Result<Inertia, FactorError> {
         FaerFactor::factorize(self, values, held, parallelism)
+    }
+    fn solve(&self, rhs: &mut [f64], nrhs: usize) -> TestResult {
+        self.solve_in_place(rhs, nrhs)
+    }
+}
+
+impl<const B: usize> Backend for Factor<B> {
+    fn prepare(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError> {
+        Ok(Self::new(Arc::new(Symbolic::analyze(pattern, ordering)?)))
+    }
+    fn factorize(&mut self, values: &[f64], held: &[bool], parallelism: Parallelism) -> Result<Inertia, FactorError> {
+        Factor::factorize(self, values, held, parallelism)
     }
     fn solve(&self, rhs: &mut [f64], nrhs: usize) -> TestResult {
         self.solve_in_place(rhs, nrhs)
@@ -262,3 +274,4 @@ macro_rules! battery {
 }
 
 battery!(faer, FaerFactor<1>, FaerFactor<3>);
+battery!(multifrontal, Factor<1>, Factor<3>);

@@ -1,0 +1,208 @@
+//! Dense kernels of a front: partial factorisation and update, built from faer's sequential kernels.
+//!
+//! Everything is recursive halving down to tiles of fixed size, and every tile is one sequential call: with a thread
+//! pool the tiles run side by side, yet each number is computed by the same operations in the same order, so results
+//! do not depend on the number of threads.
+
+use faer::dyn_stack::{MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::{self as ldlt, LdltError, LdltRegularization};
+use faer::linalg::cholesky::llt::factor::{self as llt, LltError, LltRegularization};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
+use faer::reborrow::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+use crate::outcome::Method;
+
+/// Columns eliminated by one call of the small kernels.
+const PIVOT_BLOCK: usize = 32;
+/// Largest extent of a tile of a matrix product.
+const TILE: usize = 512;
+/// Largest extent of a diagonal tile that is computed in full although only its lower half is wanted.
+const DIAGONAL_TILE: usize = 64;
+/// Row tiles of the triangular solve.
+const SOLVE_TILE: usize = 512;
+
+/// Who computes the tiles of one front.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Workers {
+    /// The calling thread.
+    One,
+    /// All threads of the current rayon pool.
+    Pool,
+}
+
+impl Workers {
+    /// Runs both closures, side by side if there are threads.
+    pub(crate) fn join(self, a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+        match self {
+            Workers::One => {
+                a();
+                b();
+            }
+            Workers::Pool => {
+                rayon::join(a, b);
+            }
+        }
+    }
+}
+
+/// Scratch that [`factor_panel`] asks of its caller.
+pub(crate) fn panel_scratch() -> StackReq {
+    StackReq::any_of(&[
+        llt::cholesky_in_place_scratch::<f64>(PIVOT_BLOCK, Par::Seq, Default::default()),
+        ldlt::cholesky_in_place_scratch::<f64>(PIVOT_BLOCK, Par::Seq, Default::default()),
+    ])
+}
+
+/// Eliminates all columns of a panel (at least as many rows as columns) whose top square holds the symmetric pivot
+/// block in its lower half.
+///
+/// On return the panel holds `L`; for [`Method::Ldl`], `D` in place of the unit diagonal. What lies above the diagonal
+/// is undefined before and after.
+///
+/// # Errors
+/// The column whose pivot is not positive ([`Method::Cholesky`]), zero or not finite (both), and that pivot.
+pub(crate) fn factor_panel(
+    panel: MatMut<'_, f64>,
+    method: Method,
+    workers: Workers,
+    stack: &mut MemStack,
+) -> Result<(), (usize, f64)> {
+    let columns = panel.ncols();
+    if columns <= PIVOT_BLOCK {
+        return factor_narrow_panel(panel, method, workers, stack);
+    }
+    let half = (columns / 2).next_multiple_of(PIVOT_BLOCK);
+    let (mut left, right) = panel.split_at_col_mut(half);
+    factor_panel(left.rb_mut(), method, workers, stack)?;
+    let (_, mut right) = right.split_at_row_mut(half);
+    {
+        let (pivots, below) = left.rb().split_at_row(half);
+        let across = below.subrows(0, columns - half);
+        let scaled = match method {
+            Method::Cholesky => None,
+            Method::Ldl => Some(times_pivots(across, pivots)),
+        };
+        let across = scaled.as_ref().map_or(across, |scaled| scaled.as_ref());
+        let (top, bottom) = right.rb_mut().split_at_row_mut(columns - half);
+        let (below_top, below_bottom) = below.split_at_row(columns - half);
+        workers.join(
+            || lower_product(top, Accum::Add, below_top, across, workers),
+            || product(bottom, Accum::Add, below_bottom, across, workers),
+        );
+    }
+    factor_panel(right, method, workers, stack).map_err(|(column, pivot)| (half + column, pivot))
+}
+
+fn factor_narrow_panel(
+    panel: MatMut<'_, f64>,
+    method: Method,
+    workers: Workers,
+    stack: &mut MemStack,
+) -> Result<(), (usize, f64)> {
+    let columns = panel.ncols();
+    let (mut pivots, below) = panel.split_at_row_mut(columns);
+    match method {
+        Method::Cholesky => {
+            llt::cholesky_in_place(pivots.rb_mut(), LltRegularization::default(), Par::Seq, stack, Default::default())
+                .map(|_| ())
+                .map_err(|LltError::NonPositivePivot { index }| index)
+        }
+        Method::Ldl => {
+            ldlt::cholesky_in_place(pivots.rb_mut(), LdltRegularization::default(), Par::Seq, stack, Default::default())
+                .map(|_| ())
+                .map_err(|LdltError::ZeroPivot { index }| index)
+        }
+    }
+    .map_err(|index| (index, pivots[(index, index)]))?;
+    solve_rows(pivots.rb(), below, method, workers);
+    Ok(())
+}
+
+/// `below ← below L⁻ᵀ` (and `D⁻¹`), by tiles of rows.
+fn solve_rows(pivots: MatRef<'_, f64>, mut below: MatMut<'_, f64>, method: Method, workers: Workers) {
+    let rows = below.nrows();
+    if rows > SOLVE_TILE {
+        let (top, bottom) = below.split_at_row_mut(halve(rows));
+        workers.join(|| solve_rows(pivots, top, method, workers), || solve_rows(pivots, bottom, method, workers));
+        return;
+    }
+    match method {
+        Method::Cholesky => {
+            solve_lower_triangular_in_place(pivots, below.transpose_mut(), Par::Seq);
+        }
+        Method::Ldl => {
+            solve_unit_lower_triangular_in_place(pivots, below.rb_mut().transpose_mut(), Par::Seq);
+            for k in 0..pivots.ncols() {
+                let inverse = pivots[(k, k)].recip();
+                for entry in below.rb_mut().col_mut(k).iter_mut() {
+                    *entry *= inverse;
+                }
+            }
+        }
+    }
+}
+
+/// `update ← -L Lᵀ` (or `-L D Lᵀ`) from the rows of a factored panel below its pivot block; lower half only, what lies
+/// above the diagonal is undefined.
+pub(crate) fn update_matrix(update: MatMut<'_, f64>, panel: MatRef<'_, f64>, method: Method, workers: Workers) {
+    let (pivots, below) = panel.split_at_row(panel.ncols());
+    match method {
+        Method::Cholesky => lower_product(update, Accum::Replace, below, below, workers),
+        Method::Ldl => {
+            let scaled = times_pivots(below, pivots);
+            lower_product(update, Accum::Replace, below, scaled.as_ref(), workers);
+        }
+    }
+}
+
+/// `L D`, with `D` on the diagonal of `pivots`.
+fn times_pivots(lower: MatRef<'_, f64>, pivots: MatRef<'_, f64>) -> Mat<f64> {
+    Mat::from_fn(lower.nrows(), lower.ncols(), |i, k| lower[(i, k)] * pivots[(k, k)])
+}
+
+/// Lower half of `target (+)= -a bᵀ`.
+fn lower_product(target: MatMut<'_, f64>, accumulate: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, workers: Workers) {
+    let n = target.nrows();
+    if n <= DIAGONAL_TILE {
+        return product(target, accumulate, a, b, Workers::One);
+    }
+    let half = halve(n);
+    let (top_left, _, bottom_left, bottom_right) = target.split_at_mut(half, half);
+    let (a_top, a_bottom) = a.split_at_row(half);
+    let (b_top, b_bottom) = b.split_at_row(half);
+    let squares = || {
+        workers.join(
+            || lower_product(top_left, accumulate, a_top, b_top, workers),
+            || lower_product(bottom_right, accumulate, a_bottom, b_bottom, workers),
+        );
+    };
+    workers.join(|| product(bottom_left, accumulate, a_bottom, b_top, workers), squares);
+}
+
+/// `target (+)= -a bᵀ` by tiles.
+fn product(target: MatMut<'_, f64>, accumulate: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, workers: Workers) {
+    let (rows, columns) = (target.nrows(), target.ncols());
+    if rows == 0 || columns == 0 {
+    } else if rows.max(columns) <= TILE {
+        matmul(target, accumulate, a, b.transpose(), -1.0, Par::Seq);
+    } else if rows >= columns {
+        let half = halve(rows);
+        let (top, bottom) = target.split_at_row_mut(half);
+        let (a_top, a_bottom) = a.split_at_row(half);
+        workers
+            .join(|| product(top, accumulate, a_top, b, workers), || product(bottom, accumulate, a_bottom, b, workers));
+    } else {
+        let half = halve(columns);
+        let (left, right) = target.split_at_col_mut(half);
+        let (b_left, b_right) = b.split_at_row(half);
+        workers
+            .join(|| product(left, accumulate, a, b_left, workers), || product(right, accumulate, a, b_right, workers));
+    }
+}
+
+/// About half, rounded so that tiles fill whole registers.
+fn halve(n: usize) -> usize {
+    (n / 2).next_multiple_of(16)
+}
