@@ -11,9 +11,9 @@
 //!
 //! # Derivatives through the projection
 //! (ξ, η) solves g(ξ, q) = (r_m − r_s) · r_m,ξ = 0 and so depends on q. The search runs in real numbers until
-//! convergence. Then Newton steps ξ ← ξ − (∂g/∂ξ)⁻¹ g are repeated in dual numbers, starting at the converged real point. There the
-//! error as a function of δq is O(δq), after one step O(δq²), after two O(δq⁴): two steps carry exact first and second
-//! derivatives.
+//! convergence. Then Newton steps ξ ← ξ − (∂g/∂ξ)⁻¹ g are repeated in dual numbers, starting at the converged real
+//! point. There the error as a function of δq is O(δq), after one step O(δq²), after two O(δq⁴): two steps carry exact
+//! first and second derivatives of ξ. (For d itself one would do, because d is stationary in ξ at the closest point.)
 
 use nalgebra::{DMatrix, DVector};
 use pneuflex_model::{ContactMethod, ContactPair, Problem};

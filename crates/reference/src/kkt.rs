@@ -11,6 +11,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::lu;
+
 /// Matrix and residual of one Newton step.
 #[derive(Clone, Debug)]
 pub struct KktSystem {
@@ -52,8 +54,6 @@ impl KktSystem {
 
     /// \[Δu; Δp; Δλ\] by LU with partial pivoting; `None` if the matrix is singular or not finite.
     pub fn solve(self) -> Option<DVector<f64>> {
-        let mut step = -self.residual;
-        let solved = self.matrix.lu().solve_mut(&mut step);
-        (solved && step.iter().all(|x| x.is_finite())).then_some(step)
+        lu::solve(self.matrix, -self.residual)
     }
 }
