@@ -53,7 +53,8 @@ mod tests {
 
     /// Random-looking with small diagonal entries, so that rows must be swapped.
     fn example(n: usize) -> (DMatrix<f64>, DVector<f64>) {
-        let a = DMatrix::from_fn(n, n, |i, j| ((i * n + j) as f64 * 12.9898).sin() * if i == j { 1e-12 } else { 1.0 });
+        let a =
+            DMatrix::from_fn(n, n, |i, j| ((i * n + j + 1) as f64 * 12.9898).sin() * if i == j { 1e-12 } else { 1.0 });
         (a, DVector::from_fn(n, |i, _| (i as f64 + 0.5).cos()))
     }
 
