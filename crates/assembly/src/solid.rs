@@ -20,13 +20,15 @@
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
 use nalgebra::Matrix4;
-use pneuflex_material_yeoh::kinematics::cofactor;
 use pneuflex_material_yeoh::{Kinematics, Yeoh};
-use pneuflex_mesh::{ElementKind, Mesh, mesh::determinant};
+use pneuflex_mesh::{
+    ElementKind, Mesh,
+    mesh::{cofactor, determinant},
+};
 use pneuflex_model::{Formulation, Material};
 use rayon::prelude::*;
 
-use crate::formulation::{IntegrationPoint, ReferenceElement};
+use crate::formulation::{IntegrationPoint, ReferenceElement, displacement_gradient, reference_gradients};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// All elements of a body.
@@ -186,38 +188,12 @@ impl Solid {
         }
     }
 
-    /// Reference gradients ∇N and the volume of an integration point.
-    fn gradients<const N: usize>(x: &[[f64; 3]; N], point: &IntegrationPoint) -> ([[f64; 3]; N], f64) {
-        let table: &[[f64; 3]; N] = point.gradients[..].try_into().expect("tables have one gradient per node");
-        let mut jacobian = [[0.0; 3]; 3];
-        for a in 0..N {
-            for i in 0..3 {
-                for j in 0..3 {
-                    jacobian[i][j] += x[a][i] * table[a][j];
-                }
-            }
-        }
-        // ∇N = J⁻ᵀ ∂N/∂ξ = cof(J) ∂N/∂ξ / det J.
-        let inverse_transpose = cofactor(&jacobian);
-        let det = determinant(&jacobian);
-        let scale = 1.0 / det;
-        let gradients = std::array::from_fn(|a| {
-            std::array::from_fn(|i| {
-                scale
-                    * (inverse_transpose[i][0] * table[a][0]
-                        + inverse_transpose[i][1] * table[a][1]
-                        + inverse_transpose[i][2] * table[a][2])
-            })
-        });
-        (gradients, point.weight * det)
-    }
-
     fn dilatation<const N: usize>(&self, element: usize, u: &[[f64; 3]; N], with_gradient: bool) -> Dilatation<N> {
         let x = self.gather::<N>(element, &self.nodes);
         let modes = self.reference.num_modes;
         let mut out = Dilatation { theta: [0.0; 4], gradient: [[[0.0; 3]; N]; 4] };
         for point in &self.reference.volumetric {
-            let (gradients, mut volume) = Self::gradients(&x, point);
+            let (gradients, mut volume) = reference_gradients(&x, point);
             if self.reference.is_centre_only {
                 volume = self.point_volume(element, point);
             }
@@ -269,7 +245,7 @@ impl Solid {
         }
 
         for (index, point) in self.reference.deviatoric.iter().enumerate() {
-            let (gradients, volume) = Self::gradients(&x, point);
+            let (gradients, volume) = reference_gradients(&x, point);
             let h = displacement_gradient(&u, &gradients);
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
@@ -357,7 +333,7 @@ impl Solid {
             }
         }
         for point in &self.reference.volumetric {
-            let (gradients, mut volume) = Self::gradients(x, point);
+            let (gradients, mut volume) = reference_gradients(x, point);
             if self.reference.is_centre_only {
                 volume = self.point_volume(element, point);
             }
@@ -411,19 +387,6 @@ impl LocalContribution for Solid {
             ElementKind::Tet10 => self.evaluate_nodes::<10>(block, displacement, request, out),
         }
     }
-}
-
-#[inline]
-fn displacement_gradient<const N: usize>(u: &[[f64; 3]; N], gradients: &[[f64; 3]; N]) -> [[f64; 3]; 3] {
-    let mut h = [[0.0; 3]; 3];
-    for a in 0..N {
-        for i in 0..3 {
-            for j in 0..3 {
-                h[i][j] += u[a][i] * gradients[a][j];
-            }
-        }
-    }
-    h
 }
 
 /// J − 1 and cof F for the displacement gradient H, also for states that are turned inside out.

@@ -11,7 +11,7 @@ pub mod projection;
 pub mod search;
 pub mod surface;
 
-pub use potential::{BlockOutput, evaluate_block};
+pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
 pub use search::{ContactBlock, ContactModel, ContactPoint};
 pub use surface::Surface;

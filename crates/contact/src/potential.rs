@@ -15,7 +15,7 @@ use pneuflex_mesh::shape;
 use pneuflex_model::ContactMethod;
 
 use crate::projection::{cross, dot, face_geometry, sub, unit_normal};
-use crate::search::{ContactBlock, ContactModel};
+use crate::search::{ContactBlock, ContactModel, ContactPoint};
 
 /// Largest number of nodes of a contact block: two nine-node faces.
 pub const MAX_NODES: usize = 18;
@@ -58,14 +58,10 @@ pub fn evaluate_block(
         hessian: vec![0.0; if with_tangent { dofs * dofs } else { 0 }],
     };
     for point in &block.points {
-        match model.method {
-            ContactMethod::SinglePoint => {
-                fixed_point(model, block, point.slave_xi, point.master_xi, positions, &mut scratch);
-            }
-            _ => sliding_point(model, block, point.slave_xi, point.master_xi, positions, &mut scratch),
-        }
+        distance_derivatives(model, block, point, positions, &mut scratch);
         let d = scratch.distance;
         let factor = model.stiffness * point.area;
+        let geometric = -point.traction * point.area;
         out.energy += 0.5 * factor * d * d;
         for i in 0..dofs {
             out.residual[i] += factor * d * scratch.gradient[i];
@@ -76,12 +72,49 @@ pub fn evaluate_block(
                 let row = &mut out.tangent[i * dofs..(i + 1) * dofs];
                 let second = &scratch.hessian[i * dofs..(i + 1) * dofs];
                 for j in 0..dofs {
-                    row[j] += factor * (gi * scratch.gradient[j] + d * second[j]);
+                    row[j] += factor * gi * scratch.gradient[j] + geometric * second[j];
                 }
             }
         }
     }
     out
+}
+
+/// Traction that the linearised distance predicts for every touching point, MPa: ⟨−k (d + ∇d·δu)⟩, with the point's number.
+///
+/// A solver that carries it in the tangent's geometric term (see [`ContactPoint::traction`]) survives the deep
+/// interpenetration of a first guess: the distance may be far off, what the linear system makes of it is not.
+pub fn predicted_tractions(
+    model: &ContactModel,
+    block: &ContactBlock,
+    positions: &[[f64; 3]],
+    correction: &[[f64; 3]],
+) -> Vec<(usize, f64)> {
+    let mut scratch = DistanceDerivatives { distance: 0.0, gradient: [0.0; MAX_DOFS], hessian: Vec::new() };
+    let predict = |point: &ContactPoint| {
+        distance_derivatives(model, block, point, positions, &mut scratch);
+        let mut distance = scratch.distance;
+        for (i, &node) in block.nodes.iter().enumerate() {
+            for k in 0..3 {
+                distance += scratch.gradient[3 * i + k] * correction[node as usize][k];
+            }
+        }
+        (point.number, (-model.stiffness * distance).max(0.0))
+    };
+    block.points.iter().map(predict).collect()
+}
+
+fn distance_derivatives(
+    model: &ContactModel,
+    block: &ContactBlock,
+    point: &ContactPoint,
+    positions: &[[f64; 3]],
+    out: &mut DistanceDerivatives,
+) {
+    match model.method {
+        ContactMethod::SinglePoint => fixed_point(model, block, point.slave_xi, point.master_xi, positions, out),
+        _ => sliding_point(model, block, point.slave_xi, point.master_xi, positions, out),
+    }
 }
 
 /// Coefficients with which the block's nodes enter r_s − r_m: N on the slave, −N on the master.

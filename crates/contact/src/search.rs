@@ -19,6 +19,10 @@ pub struct ContactPoint {
     pub master_xi: [f64; 2],
     /// Signed distance d < 0, mm.
     pub distance: f64,
+    /// Number of the slave point among all points of the model, see [`ContactModel::num_points`].
+    pub number: usize,
+    /// Traction in the tangent's geometric term, MPa. The search sets it to k |d|; a solver may carry another one.
+    pub traction: f64,
 }
 
 /// The touching points between one slave face and one master face.
@@ -53,7 +57,10 @@ struct SurfacePair {
     master: Surface,
     /// Reference area of every rule point of every slave face, mm².
     areas: Vec<f64>,
-    /// Points deeper than this behind a face are not found; the distance of the surfaces at rest, at least a face's size.
+    /// Number of the pair's first point.
+    first_point: usize,
+    rest_distance: f64,
+    /// Points deeper than this behind a face are not found: the distance at rest, at least a face's size, mm.
     reach: f64,
 }
 
@@ -67,6 +74,7 @@ impl ContactModel {
             ContactMethod::MultiPoint => quadrature::contact_face(kind),
         };
         let pairs = if contact.method == ContactMethod::None { &[] } else { pairs };
+        let mut first_point = 0;
         let pairs = pairs
             .iter()
             .map(|pair| {
@@ -80,8 +88,11 @@ impl ContactModel {
                         areas.push(weight * unit_normal(&geometry.tangents).1);
                     }
                 }
-                let reach = rest_distance(&slave, &master, &mesh.nodes);
-                SurfacePair { slave, master, areas, reach }
+                let (rest_distance, face_size) = rest_distance_and_face_size(&slave, &master, &mesh.nodes);
+                let first = first_point;
+                first_point += areas.len();
+                let reach = rest_distance.max(face_size);
+                SurfacePair { slave, master, areas, first_point: first, rest_distance, reach }
             })
             .collect();
         Self { method: contact.method, stiffness: contact.stiffness, pairs, rule }
@@ -90,6 +101,16 @@ impl ContactModel {
     /// Number of pairs of surfaces; 0 when contact is switched off.
     pub fn num_pairs(&self) -> usize {
         self.pairs.len()
+    }
+
+    /// Number of slave points of all pairs.
+    pub fn num_points(&self) -> usize {
+        self.pairs.last().map_or(0, |pair| pair.first_point + pair.areas.len())
+    }
+
+    /// Smallest distance at rest between the surfaces of a pair, mm; 0 without pairs.
+    pub fn rest_distance(&self) -> f64 {
+        self.pairs.iter().map(|pair| pair.rest_distance).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// The slave and the master surface of a pair.
@@ -135,7 +156,7 @@ impl ContactModel {
     }
 
     fn single_blocks(&self, pair: usize, positions: &[[f64; 3]], margin: f64) -> Vec<ContactBlock> {
-        let SurfacePair { slave, master, areas, .. } = &self.pairs[pair];
+        let SurfacePair { slave, master, areas, first_point, .. } = &self.pairs[pair];
         let kind = slave.kind;
         let shape = shape::evaluate_face(kind, kind.centre());
         let mut blocks = Vec::new();
@@ -144,8 +165,14 @@ impl ContactModel {
             let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
             let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
             if distance < margin {
-                let point =
-                    ContactPoint { slave_xi: kind.centre(), area: areas[face], master_xi: kind.centre(), distance };
+                let point = ContactPoint {
+                    slave_xi: kind.centre(),
+                    area: areas[face],
+                    master_xi: kind.centre(),
+                    distance,
+                    number: first_point + face,
+                    traction: -self.stiffness * distance,
+                };
                 blocks.push(self.block(pair, face, face, vec![point]));
             }
         }
@@ -153,7 +180,7 @@ impl ContactModel {
     }
 
     fn multi_blocks(&self, pair: usize, positions: &[[f64; 3]], margin: f64) -> Vec<ContactBlock> {
-        let SurfacePair { slave, master, areas, reach } = &self.pairs[pair];
+        let SurfacePair { slave, master, areas, first_point, reach, .. } = &self.pairs[pair];
         let kind = slave.kind;
         let shapes: Vec<_> = self.rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
         let boxes: Vec<_> = (0..master.num_faces()).map(|face| master.bounding_box(face, positions)).collect();
@@ -174,11 +201,14 @@ impl ContactModel {
                 if foot.distance >= margin || foot.distance < -*reach {
                     continue;
                 }
+                let number = face * self.rule.len() + index;
                 let touching = ContactPoint {
                     slave_xi,
-                    area: areas[face * self.rule.len() + index],
+                    area: areas[number],
                     master_xi: foot.xi,
                     distance: foot.distance,
+                    number: first_point + number,
+                    traction: -self.stiffness * foot.distance,
                 };
                 match blocks[first_block..].iter_mut().find(|block| block.master_face == master_face) {
                     Some(block) => block.points.push(touching),
@@ -219,10 +249,10 @@ fn boxes_overlap(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2], margin: f64) -> bool {
     (0..3).all(|d| a[0][d] <= b[1][d] + margin && b[0][d] <= a[1][d] + margin)
 }
 
-/// Distance of the two surfaces at rest, at least the size of a master face.
-fn rest_distance(slave: &Surface, master: &Surface, nodes: &[[f64; 3]]) -> f64 {
+/// Distance of the two surfaces at rest, from the slave's first corner, and the size of the master's first face, mm.
+fn rest_distance_and_face_size(slave: &Surface, master: &Surface, nodes: &[[f64; 3]]) -> (f64, f64) {
     if slave.num_faces() == 0 || master.num_faces() == 0 {
-        return 0.0;
+        return (0.0, 0.0);
     }
     let origin = nodes[slave.face(0)[0] as usize];
     let nearest = (0..master.num_faces())
@@ -234,5 +264,5 @@ fn rest_distance(slave: &Surface, master: &Surface, nodes: &[[f64; 3]]) -> f64 {
         .fold(f64::INFINITY, f64::min);
     let bounds = master.bounding_box(0, nodes);
     let size = (0..3).map(|d| bounds[1][d] - bounds[0][d]).fold(0.0, f64::max);
-    nearest.max(size)
+    (nearest, size)
 }

@@ -1,5 +1,7 @@
 //! Deformation measures computed from the displacement gradient without loss of digits near the undeformed state.
 
+pub use pneuflex_mesh::mesh::cofactor;
+
 /// The deformation at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
@@ -48,28 +50,6 @@ impl Kinematics {
         }
         Ok(Self { gradient: f, cofactor: cofactor(&f), jacobian, jacobian_minus_1, i1_minus_3: 2.0 * trace + squares })
     }
-}
-
-/// Cofactor matrix: `cof(F) = det(F) F⁻ᵀ`, defined for singular matrices too.
-#[inline]
-pub fn cofactor(f: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    [
-        [
-            f[1][1] * f[2][2] - f[1][2] * f[2][1],
-            f[1][2] * f[2][0] - f[1][0] * f[2][2],
-            f[1][0] * f[2][1] - f[1][1] * f[2][0],
-        ],
-        [
-            f[0][2] * f[2][1] - f[0][1] * f[2][2],
-            f[0][0] * f[2][2] - f[0][2] * f[2][0],
-            f[0][1] * f[2][0] - f[0][0] * f[2][1],
-        ],
-        [
-            f[0][1] * f[1][2] - f[0][2] * f[1][1],
-            f[0][2] * f[1][0] - f[0][0] * f[1][2],
-            f[0][0] * f[1][1] - f[0][1] * f[1][0],
-        ],
-    ]
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub struct LandedState {
     pub pressure_kpa: f64,
     /// Displacements, mm, three per node.
     pub displacement: Vec<f64>,
-    /// Support reactions λ, N, three per node; zero at free degrees of freedom.
+    /// Forces of the supports on the body, N, three per node, zero at free degrees of freedom: −λ of R + Φᵀλ = 0.
     pub reaction: Vec<f64>,
     /// Newton iterations spent since the previous landing, rejected attempts included.
     pub iterations: usize,

@@ -1,20 +1,17 @@
 //! Newton-Raphson with mixed linearisation, rotation-aware increments and load stepping.
+//!
+//! * [`system`]: the equations of a problem at a state: residual, tangent, factor, reactions.
+//! * [`warp`]: corrections bent into rotations.
+//! * [`path`]: Newton's method at one load and the stepping around it.
+//! * [`history`]: what a run reports.
+//!
+//! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
 pub mod history;
+pub mod path;
+pub mod system;
+pub mod warp;
 
 pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Timing};
-use pneuflex_model::{Problem, Solver};
-
-/// Follows the equilibrium path from rest through the given pressures (kPa, increasing), landing on each exactly.
-///
-/// # Errors
-/// [`Failure`] when the load step falls below its least size; the observer has seen every state landed on before.
-pub fn follow_path(
-    problem: &Problem,
-    pressures_kpa: &[f64],
-    settings: &Solver,
-    observer: &mut dyn FnMut(Event<'_>),
-) -> Result<PathReport, (Failure, PathReport)> {
-    let _ = (problem, pressures_kpa, settings, observer);
-    Ok(PathReport { iterations: 0, timing: Timing::default() })
-}
+pub use path::{Path, follow_path};
+pub use system::{SetupError, System};
