@@ -1,2 +1,49 @@
-//! The pneuflex command line program.
-fn main() {}
+//! The `pneuflex` command line program: the only crate that touches files, clock and terminal.
+//!
+//! * [`args`]: the command line.
+//! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
+//! * [`check`], [`new`], [`run`]: the commands.
+//! * [`folder`], [`recorder`], [`json`]: the output folder.
+//! * [`memory`], [`progress`]: estimates and progress.
+//!
+//! Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 not converged.
+
+mod args;
+mod case_file;
+mod check;
+mod error;
+mod folder;
+mod json;
+mod memory;
+mod new;
+mod progress;
+mod recorder;
+mod run;
+mod suggest;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use error::CliError;
+use run::Outcome;
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
+        Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
+    };
+    match done {
+        Ok(Outcome::Converged) => ExitCode::SUCCESS,
+        Ok(Outcome::NotConverged) => ExitCode::from(3),
+        Err(error) => {
+            error.print();
+            ExitCode::from(match error {
+                CliError::Output(_) => 1,
+                CliError::Input(_) => 2,
+            })
+        }
+    }
+}

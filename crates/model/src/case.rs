@@ -3,7 +3,9 @@
 use std::fmt;
 
 use pneuflex_mesh::{Actuator, ElementKind, GeometryError, MeshSize};
-use serde::{Deserialize, Serialize};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A whole case file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +51,7 @@ pub struct MeshOptions {
 }
 
 /// An element size: the same in all directions, or one per direction, mm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Size {
     /// The same along x, y and z.
@@ -232,6 +234,39 @@ impl Size {
     }
 }
 
+/// Written out because the derived reader of an untagged enum cannot say what it expects.
+impl<'de> Deserialize<'de> for Size {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct SizeVisitor;
+        impl<'de> Visitor<'de> for SizeVisitor {
+            type Value = Size;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or three numbers [sx, sy, sz]")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Size, E> {
+                Ok(Size::Uniform(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Size, E> {
+                Ok(Size::Uniform(value as f64))
+            }
+
+            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Size, E> {
+                Ok(Size::Uniform(value as f64))
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, sequence: A) -> Result<Size, A::Error> {
+                let sizes = Vec::<f64>::deserialize(SeqAccessDeserializer::new(sequence))?;
+                let count = sizes.len();
+                sizes.try_into().map(Size::PerAxis).map_err(|_| de::Error::invalid_length(count, &self))
+            }
+        }
+        deserializer.deserialize_any(SizeVisitor)
+    }
+}
+
 impl MeshOptions {
     /// The lattice's view of these options.
     pub fn mesh_size(&self) -> MeshSize {
@@ -270,7 +305,7 @@ impl fmt::Display for Formulation {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} = {value} is out of range: {allowed}")]
 pub struct CaseError {
-    /// Dotted key, e.g. `mesh.size`.
+    /// Dotted key, e.g. `mesh.size`; entries of a list by their number from 0, e.g. `probe[1].at`.
     pub key: String,
     /// The offending value as text.
     pub value: String,
@@ -324,10 +359,10 @@ impl Case {
         }
         for (i, probe) in self.probes.iter().enumerate() {
             if probe.name.is_empty() || self.probes[..i].iter().any(|other| other.name == probe.name) {
-                return fail("probe.name", &probe.name, "must be non-empty and different for every probe");
+                return fail(&format!("probe[{i}].name"), &probe.name, "must be non-empty and different for every probe");
             }
             if !probe.at.iter().all(|x| x.is_finite()) {
-                return fail("probe.at", &probe.at, "must be three finite coordinates, mm");
+                return fail(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
             }
         }
         let solver = &self.solver;

@@ -54,7 +54,8 @@ pub struct StepSummary {
     pub cavity_volume_mm3: f64,
     /// Sum of the clamp's reactions, N.
     pub reaction_n: [f64; 3],
-    /// Strain energy of the modelled body, mJ.
+    /// Strain energy of the modelled body, mJ, relative to the undeformed state; with the `full` invariant that state is
+    /// not the one of least energy, and the number may be negative.
     pub strain_energy_mj: f64,
 }
 

@@ -1,0 +1,77 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Finite-element simulator of soft pneumatic actuators.
+#[derive(Debug, Parser)]
+#[command(name = "pneuflex", version, about, after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done (for run: converged), 1 an output could not be written, 2 bad input, \
+                          3 not converged.";
+
+/// The program's commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Solve a case and write its results
+    Run(RunArguments),
+    /// Check a case and print what would be solved, without solving
+    Check(CaseArguments),
+    /// Write a commented case file to start from
+    New(NewArguments),
+}
+
+/// A case file with changes to it.
+#[derive(Debug, Args)]
+pub struct CaseArguments {
+    /// Case file (TOML)
+    pub case: PathBuf,
+    /// Change a key of the case, e.g. --set actuator.gap=1.5 or --set mesh.element=hex8-q1p0; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// Arguments of `pneuflex run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Output folder [default: out/<name of the case file>]. Results of an earlier run in it are replaced; a folder
+    /// that holds anything else is left alone
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of threads [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Solve even if the estimated memory exceeds what is available
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `pneuflex new`.
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// Which case
+    pub kind: CaseKind,
+    /// File to write [default: two_chamber.toml or actuator.toml]; an existing file is not replaced
+    pub file: Option<PathBuf>,
+}
+
+/// Cases to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CaseKind {
+    /// The two-chamber piece of the paper.
+    TwoChamber,
+    /// The full actuator of the paper: eight chambers and two flanges.
+    Actuator,
+}

@@ -1,0 +1,258 @@
+//! Reading a case file and the `--set` changes to it, with errors that name file, line, key and allowed range.
+//!
+//! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
+//! span of the merged document is a place in exactly one of the texts.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use pneuflex_model::{Case, CaseError};
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{InputError, Place};
+use crate::suggest;
+
+/// A case together with where its values come from.
+#[derive(Debug)]
+pub struct CaseFile {
+    /// The case, every value within its range.
+    pub case: Case,
+    path: PathBuf,
+    sources: Sources,
+    keys: Vec<Key>,
+}
+
+/// The texts a document is made of, as if they stood one after the other.
+#[derive(Debug)]
+struct Sources {
+    texts: Vec<Text>,
+}
+
+#[derive(Debug)]
+struct Text {
+    name: String,
+    start: usize,
+    text: String,
+}
+
+/// Where a key and its value stand.
+#[derive(Debug)]
+struct Key {
+    path: String,
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+impl CaseFile {
+    /// Reads and checks a case file with changes `key=value` applied to it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not UTF-8 or not TOML, an unknown, missing or misplaced key, a value out of range.
+    pub fn load(path: &Path, changes: &[String]) -> Result<Self, InputError> {
+        let text = read(path)?;
+        let mut sources = Sources { texts: vec![Text { name: path.display().to_string(), start: 0, text }] };
+        for change in changes {
+            sources.push_change(change)?;
+        }
+        let padded: Vec<String> =
+            sources.texts[1..].iter().map(|t| format!("{}{}", " ".repeat(t.start), t.text)).collect();
+        let syntax = |error: &toml::de::Error| {
+            let place = error.span().map(|span| sources.place(span));
+            InputError::new(format!("not valid TOML: {}", plain_types(&one_line(error.message())))).at(place)
+        };
+        let mut document = DeTable::parse(&sources.texts[0].text).map_err(|e| syntax(&e))?;
+        for text in &padded {
+            merge(document.get_mut(), DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner());
+        }
+        let mut keys = Vec::new();
+        collect(document.get_ref(), "", &mut keys);
+
+        let case = Case::deserialize(toml::Deserializer::from(document));
+        let case = case.map_err(|error| describe(&error, &sources, &keys))?;
+        let path = path.to_owned();
+        let file = Self { case, path, sources, keys };
+        file.case.validate().map_err(|error| file.out_of_range(&error))?;
+        Ok(file)
+    }
+
+    /// Turns a range error into one that shows where the value stands.
+    pub fn out_of_range(&self, error: &CaseError) -> InputError {
+        InputError::new(error.to_string()).at(Some(self.place(&error.key)))
+    }
+
+    /// Name of the case file without folder and extension.
+    pub fn stem(&self) -> String {
+        self.path.file_stem().map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned())
+    }
+
+    /// Path of the case file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where a key stands; if it is not written out, where the nearest table around it does.
+    fn place(&self, key: &str) -> Place {
+        let mut wanted = key;
+        loop {
+            if let Some(found) = self.keys.iter().find(|k| k.path == wanted) {
+                return self.sources.place(found.key.start..found.value.end.max(found.key.end));
+            }
+            match wanted.rfind(['.', '[']) {
+                Some(end) => wanted = &wanted[..end],
+                None => return self.sources.place(0..0),
+            }
+        }
+    }
+}
+
+impl Sources {
+    fn push_change(&mut self, change: &str) -> Result<(), InputError> {
+        let name = format!("--set {change}");
+        let expected = || InputError::new(format!("{name}: expected KEY=VALUE, e.g. --set actuator.gap=1.5"));
+        let (key, value) = change.split_once('=').ok_or_else(expected)?;
+        if key.trim().is_empty() || value.trim().is_empty() {
+            return Err(expected());
+        }
+        // A value that is no TOML is a bare string, as in `--set mesh.element=hex8-q1p0`.
+        let quoted = format!("{key}={}", toml::Value::from(value.trim()));
+        let text = if DeTable::parse(change).is_ok() {
+            change.to_owned()
+        } else if DeTable::parse(&quoted).is_ok() {
+            quoted
+        } else {
+            return Err(InputError::new(format!("{name}: `{}` is not a key", key.trim())));
+        };
+        let start = self.texts.last().map_or(0, |t| t.start + t.text.len() + 1);
+        self.texts.push(Text { name, start, text });
+        Ok(())
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
+        let Text { name, start, text } = &self.texts[index];
+        Place::new(name, text, span.start - start..span.end.max(span.start) - start)
+    }
+}
+
+fn read(path: &Path) -> Result<String, InputError> {
+    let bytes = fs::read(path).map_err(|e| InputError::file(path, format!("cannot be read: {e}")))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+        // Up to the first bad byte both texts agree.
+        let place = Place::new(&path.display().to_string(), &text, valid..valid + 1);
+        InputError::new(format!("not valid UTF-8 (byte {valid} of the file); save the file as UTF-8")).at(Some(place))
+    })
+}
+
+fn merge<'a>(into: &mut DeTable<'a>, changes: DeTable<'a>) {
+    for (key, value) in changes {
+        let existing = into.get_mut(key.get_ref().as_ref()).map(Spanned::get_mut);
+        match (existing, value) {
+            (Some(DeValue::Table(old)), value) if value.get_ref().is_table() => {
+                if let DeValue::Table(new) = value.into_inner() {
+                    merge(old, new);
+                }
+            }
+            (_, value) => {
+                // Removed first, because an insertion keeps the old key with its old place.
+                into.remove(key.get_ref().as_ref());
+                into.insert(key, value);
+            }
+        }
+    }
+}
+
+fn collect(table: &DeTable<'_>, prefix: &str, keys: &mut Vec<Key>) {
+    for (key, value) in table {
+        let path = if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
+        collect_value(value, &path, keys);
+        keys.push(Key { path, key: key.span(), value: value.span() });
+    }
+}
+
+fn collect_value(value: &Spanned<DeValue<'_>>, path: &str, keys: &mut Vec<Key>) {
+    match value.get_ref() {
+        DeValue::Table(table) => collect(table, path, keys),
+        DeValue::Array(entries) => {
+            for (i, entry) in entries.iter().enumerate() {
+                let path = format!("{path}[{i}]");
+                collect_value(entry, &path, keys);
+                keys.push(Key { path, key: entry.span(), value: entry.span() });
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Puts a reader's error into words about keys.
+fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> InputError {
+    let message = one_line(error.message());
+    let span = error.span().unwrap_or(0..0);
+    // The innermost key whose name or value is at the error's place.
+    let holds = |range: &Range<usize>| range.start <= span.start && span.start < range.end.max(range.start + 1);
+    let key = keys
+        .iter()
+        .filter(|k| holds(&k.key) || holds(&k.value))
+        .min_by_key(|k| if holds(&k.key) { k.key.len() } else { k.value.len() });
+    let path = key.map_or("", |k| k.path.as_str());
+    let place = Some(sources.place(span.clone()));
+
+    if let Some((_, rest)) = message.split_once("unknown field `") {
+        let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
+        let allowed = quoted(expected);
+        let known =
+            if allowed.is_empty() { String::new() } else { format!("; known keys here: {}", allowed.join(", ")) };
+        let help = suggest::closest(name, allowed.iter().copied()).map(|s| format!("did you mean `{s}`?"));
+        let path = if path.is_empty() { name } else { path };
+        return InputError::new(format!("unknown key `{path}`{known}")).at(place).help(help);
+    }
+    if let Some((_, rest)) = message.split_once("unknown variant `") {
+        let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
+        let allowed = quoted(expected);
+        let help = suggest::closest(name, allowed.iter().copied()).map(|s| format!("did you mean `{s}`?"));
+        let message = format!("{path} = {name:?} is not allowed: must be one of {}", allowed.join(", "));
+        return InputError::new(message).at(place).help(help);
+    }
+    if let Some((_, rest)) = message.split_once("missing field `") {
+        let name = rest.split('`').next().unwrap_or(rest);
+        let name = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with".to_owned());
+        return InputError::new(format!("key `{name}` is missing")).at(place).help(help);
+    }
+    let text = plain_types(&message);
+    InputError::new(if path.is_empty() { text } else { format!("{path}: {text}") }).at(place)
+}
+
+/// The words between backquotes.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+fn one_line(message: &str) -> String {
+    message.lines().collect::<Vec<_>>().join("; ")
+}
+
+/// Says what a type is to somebody who writes TOML.
+fn plain_types(message: &str) -> String {
+    let words = [
+        ("invalid type: ", "wrong type: "),
+        ("floating point ", "number "),
+        ("expected f64", "expected a number"),
+        ("expected usize", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list"),
+        ("a boolean", "true or false"),
+        (", expected nothing", ""),
+        ("map", "a table"),
+        ("sequence", "a list"),
+    ];
+    let text = words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to));
+    // Names of structs mean nothing outside this program.
+    match text.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a table"),
+        None => text,
+    }
+}

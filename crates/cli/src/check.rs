@@ -1,0 +1,108 @@
+//! `pneuflex check`: what would be solved, without solving it.
+
+use std::fmt::Write;
+
+use pneuflex_model::{Case, ContactMethod, Problem};
+use pneuflex_post::summary::probe_sites;
+
+use crate::args::CaseArguments;
+use crate::case_file::CaseFile;
+use crate::error::CliError;
+use crate::memory::{Estimate, size, thousands};
+
+/// Checks a case and prints what would be solved.
+///
+/// # Errors
+/// Bad input.
+#[allow(clippy::print_stdout, clippy::print_stderr)]
+pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
+    let file = CaseFile::load(&arguments.case, &arguments.set)?;
+    if let Some(warning) = Estimate::of(&file.case).guard(false)? {
+        eprintln!("warning: {warning}");
+    }
+    let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
+    print!("{}", describe(&file.case, &problem));
+    Ok(())
+}
+
+/// The description printed by `check`.
+pub fn describe(case: &Case, problem: &Problem) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_description(&mut text, case, problem);
+    text
+}
+
+fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::fmt::Result {
+    let mesh = &problem.mesh;
+    let number = |n: usize| thousands(n as u64);
+    let actuator = &case.actuator;
+    if !case.title.is_empty() {
+        writeln!(text, "{}", case.title)?;
+    }
+    writeln!(
+        text,
+        "body      {}, {} mm x {} mm x {} mm, {} model, {:.6} mm3 of solid",
+        plural(actuator.chambers, "chamber"),
+        actuator.length(),
+        actuator.width,
+        actuator.height,
+        format!("{:?}", actuator.part).to_lowercase(),
+        mesh.volume()
+    )?;
+    let unknowns = problem.num_unknowns();
+    writeln!(
+        text,
+        "mesh      {} nodes, {} elements {}, {} unknowns",
+        number(mesh.num_nodes()),
+        number(mesh.num_elements()),
+        case.mesh.element,
+        number(unknowns)
+    )?;
+    let material = &case.material;
+    writeln!(
+        text,
+        "material  yeoh, {} invariant: c10 {}, c20 {}, c30 {}, bulk modulus {} MPa",
+        format!("{:?}", material.invariant).to_lowercase(),
+        material.c10,
+        material.c20,
+        material.c30,
+        material.bulk_modulus
+    )?;
+    for support in &problem.supports {
+        let axes: String =
+            ["x", "y", "z"].iter().zip(support.axes).filter(|(_, held)| *held).map(|(a, _)| *a).collect();
+        writeln!(text, "support   {}: {} nodes held in {axes}", support.name, number(support.nodes.len()))?;
+    }
+    for (name, nodes) in &mesh.node_sets {
+        writeln!(text, "nodes     {name}: {}", number(nodes.len()))?;
+    }
+    for (name, facets) in &mesh.facet_sets {
+        writeln!(text, "faces     {name}: {}", number(facets.len()))?;
+    }
+    let faces: usize = problem.contact_pairs.iter().map(|p| p.slave.len()).sum();
+    let (method, per_face) = match case.contact.method {
+        ContactMethod::None => ("none", 0),
+        ContactMethod::SinglePoint => ("single-point", 1),
+        ContactMethod::MultiPoint => ("multi-point", 16),
+    };
+    writeln!(
+        text,
+        "contact   {method}, {} with {} contact points, {} N/mm3",
+        plural(problem.contact_pairs.len(), "gap"),
+        number(faces * per_face),
+        case.contact.stiffness
+    )?;
+    let pressures: Vec<String> = case.load.pressure_kpa.iter().map(f64::to_string).collect();
+    writeln!(text, "load      {} kPa on {} faces", pressures.join(", "), number(problem.pressure_facets.len()))?;
+    for (name, site) in probe_sites(mesh, &case.probes) {
+        let [x, y, z] = site.at;
+        let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };
+        writeln!(text, "probe     {name}: node {} at ({x}, {y}, {z}){far}", site.node)?;
+    }
+    writeln!(text, "memory    about {}", size(Estimate::of_mesh(mesh.num_elements(), unknowns).bytes))
+}
+
+fn plural(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
