@@ -12,6 +12,9 @@ use crate::system::{AssembleError, SetupError, System};
 /// A correction this much larger than the body is no use.
 const RUNAWAY: f64 = 1e3;
 
+/// Corrections are shortened where they would drive walls deeper than this into each other, mm.
+const DEEP: f64 = 0.2;
+
 /// An equilibrium, the start of the next step.
 #[derive(Clone, Debug)]
 struct State {
@@ -30,6 +33,8 @@ pub struct Path<'a> {
     state: State,
     /// The factor belongs to the present state's tangent, so it predicts the next one.
     has_factor: bool,
+    /// Displacement per kPa at the beginning of the last accepted step, and that step's size, kPa.
+    last_tangent: Option<(Vec<[f64; 3]>, f64)>,
     size: f64,
     step: usize,
     iterations: usize,
@@ -39,6 +44,8 @@ pub struct Path<'a> {
 struct Converged {
     state: State,
     iterations: usize,
+    /// Displacement per kPa at the beginning of the step.
+    tangent: Vec<[f64; 3]>,
 }
 
 impl<'a> Path<'a> {
@@ -70,7 +77,18 @@ impl<'a> Path<'a> {
             multipliers: vec![0.0; 3 * n],
             contact_points: 0,
         };
-        Ok(Self { system, settings, observer, begin, state, has_factor: false, size, step: 0, iterations: 0 })
+        Ok(Self {
+            system,
+            settings,
+            observer,
+            begin,
+            state,
+            has_factor: false,
+            last_tangent: None,
+            size,
+            step: 0,
+            iterations: 0,
+        })
     }
 
     /// Newton iterations so far, those of rejected attempts included.
@@ -117,6 +135,7 @@ impl<'a> Path<'a> {
                     if converged.iterations <= 8 {
                         size = (2.0 * (target - start)).min(self.settings.max_step_kpa);
                     }
+                    self.last_tangent = Some((converged.tangent, target - start));
                     self.state = converged.state;
                 }
                 Err(cause) => {
@@ -169,11 +188,13 @@ impl<'a> Path<'a> {
         self.system.carry_pressures(&u);
         let load = self.system.load_norm(&u, pressure).max(f64::MIN_POSITIVE);
 
+        let mut tangent = Vec::new();
         if self.has_factor && imposed.is_none() {
             // Tangent predictor with the factor of the present equilibrium.
             self.system.assemble(&u, pressure, Request::Residual).map_err(Cause::from)?;
             let correction = self.system.solve(None).map_err(Cause::from)?;
-            self.system.correct(&mut u, &correction).map_err(Cause::from)?;
+            tangent = scaled(&correction, 1.0 / (pressure_kpa - self.state.pressure_kpa));
+            self.limited_correction(&mut u, &correction)?;
         }
         self.has_factor = false;
 
@@ -185,6 +206,9 @@ impl<'a> Path<'a> {
             let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
             let inertia = self.system.factorize().map_err(Cause::from)?;
             let correction = self.system.solve(imposed.take().as_deref()).map_err(Cause::from)?;
+            if tangent.is_empty() {
+                tangent = scaled(&correction, 1.0 / (pressure_kpa - self.state.pressure_kpa));
+            }
             let updated = self.system.multipliers(&correction).map_err(Cause::from)?;
             let squared: f64 = correction.as_flattened().iter().map(|x| x * x).sum::<f64>()
                 + updated.iter().zip(&multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
@@ -211,7 +235,7 @@ impl<'a> Path<'a> {
             if iteration + 6 > self.settings.max_iterations {
                 (least, most) = (least.min(touching), most.max(touching));
             }
-            self.system.correct(&mut u, &correction).map_err(Cause::from)?;
+            self.limited_correction(&mut u, &correction)?;
 
             if norm < self.settings.tolerance {
                 self.system.assemble(&u, pressure, Request::Residual).map_err(Cause::from)?;
@@ -229,7 +253,7 @@ impl<'a> Path<'a> {
                     let contact_points = self.system.contact_points();
                     self.has_factor = true;
                     let state = State { pressure_kpa, displacement: u, multipliers, contact_points };
-                    return Ok(Converged { state, iterations: iteration });
+                    return Ok(Converged { state, iterations: iteration, tangent });
                 }
             }
         }
@@ -244,6 +268,23 @@ impl<'a> Path<'a> {
         })
     }
 
+    /// Applies a correction, shortened if it would drive walls deep into each other.
+    fn limited_correction(&mut self, u: &mut Vec<[f64; 3]>, correction: &[[f64; 3]]) -> Result<(), Cause> {
+        let allowed = self.system.deepest_penetration(u).max(DEEP);
+        let mut factor = 1.0;
+        loop {
+            let shortened = scaled(correction, factor);
+            let mut trial = u.clone();
+            self.system.warp(&mut trial, &shortened).map_err(Cause::from)?;
+            if factor < 0.3 || self.system.deepest_penetration(&trial) <= allowed {
+                self.system.carry(u, &shortened);
+                *u = trial;
+                return Ok(());
+            }
+            factor *= 0.7;
+        }
+    }
+
     fn largest_residual_node(&self) -> usize {
         let held = self.system.held();
         let size =
@@ -251,6 +292,10 @@ impl<'a> Path<'a> {
         let residual = &self.system.totals().residual;
         (0..residual.len()).max_by(|&a, &b| size(a, &residual[a]).total_cmp(&size(b, &residual[b]))).unwrap_or(0)
     }
+}
+
+fn scaled(field: &[[f64; 3]], factor: f64) -> Vec<[f64; 3]> {
+    field.iter().map(|x| x.map(|t| factor * t)).collect()
 }
 
 impl From<AssembleError> for Cause {

@@ -223,12 +223,9 @@ impl System {
         Ok(product)
     }
 
-    /// Applies a correction computed at `displacement`: the carried pressures by the linear correction, the displacements
-    /// bent into rotations.
-    ///
-    /// # Errors
-    /// [`LocalError`] if the state before the correction is turned inside out.
-    pub fn correct(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), LocalError> {
+    /// Updates the carried pressures and contact tractions by what the linear system, assembled at `displacement`, makes
+    /// of them under a correction.
+    pub fn carry(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
         let start = Instant::now();
         self.solid.update_pressures(displacement, correction);
         self.carried_tractions.fill(0.0);
@@ -237,9 +234,26 @@ impl System {
                 self.carried_tractions[number] = traction;
             }
         }
+        self.timing.solve_s += start.elapsed().as_secs_f64();
+    }
+
+    /// Applies a correction to the displacements, bent into rotations.
+    ///
+    /// # Errors
+    /// [`LocalError`] if the state before the correction is turned inside out.
+    pub fn warp(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), LocalError> {
+        let start = Instant::now();
         self.warp.apply(displacement, correction)?;
         self.timing.solve_s += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Largest penetration of a contact point at a displacement, mm; 0 where nothing touches.
+    pub fn deepest_penetration(&mut self, displacement: &[[f64; 3]]) -> f64 {
+        let start = Instant::now();
+        let blocks = self.contact.search(&self.positions(displacement));
+        self.timing.contact_s += start.elapsed().as_secs_f64();
+        blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
     }
 
     /// Restarts the carried pressures and contact tractions from those of a displacement.
