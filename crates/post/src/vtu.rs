@@ -127,7 +127,11 @@ pub fn series(entries: &[SeriesEntry]) -> String {
 fn section(text: &mut String, name: &str, fields: &[Field]) {
     *text += &format!("<{name}>\n");
     for field in fields {
-        let mut attributes = format!(" NumberOfComponents=\"{}\"", field.width());
+        // A scalar with an explicit single component would be read as a list of lists by some.
+        let mut attributes = match field.width() {
+            1 => String::new(),
+            width => format!(" NumberOfComponents=\"{width}\""),
+        };
         for (i, component) in field.components.iter().enumerate() {
             // Writing to a string cannot fail.
             let _ = write!(attributes, " ComponentName{i}=\"{component}\"");
