@@ -9,8 +9,10 @@ use serde::Serialize;
 pub struct IterationRecord {
     /// Load step, from 1; rejected attempts count.
     pub step: usize,
-    /// Iteration within the step, from 1.
+    /// Iteration within the step, from 1: the number of tangents factorised.
     pub iteration: usize,
+    /// Whether this correction is one of a new tangent; otherwise the factor of the iteration was used again.
+    pub new_tangent: bool,
     /// Pressure of the attempt, kPa.
     pub pressure_kpa: f64,
     /// ‖\[Δq; Δλ\]‖, mm and N.

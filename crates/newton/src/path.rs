@@ -12,8 +12,21 @@ use crate::system::{AssembleError, SetupError, System};
 /// A correction this much larger than the body is no use.
 const RUNAWAY: f64 = 1e3;
 
-/// Corrections are shortened where they would drive walls deeper than this into each other, mm.
+/// Guesses are shortened where they would drive walls deeper than this into each other, mm.
 const DEEP: f64 = 0.2;
+
+/// By how much a guess is shortened at a time, and at the most.
+const SHORTEN: f64 = 0.7;
+const SHORTEST: f64 = 0.2;
+
+/// A load step that is not a requested one is good enough when no node moves further than this, mm.
+const LOOSE: f64 = 0.1;
+
+/// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
+const STALE_BELOW: f64 = 0.05;
+
+/// A correction with an old factor that is not smaller than this share of the one before is thrown away.
+const STALE_CONTRACTION: f64 = 0.5;
 
 /// An equilibrium, the start of the next step.
 #[derive(Clone, Debug)]
@@ -33,19 +46,37 @@ pub struct Path<'a> {
     state: State,
     /// The factor belongs to the present state's tangent, so it predicts the next one.
     has_factor: bool,
-    /// Displacement per kPa at the beginning of the last accepted step, and that step's size, kPa.
-    last_tangent: Option<(Vec<[f64; 3]>, f64)>,
     size: f64,
     step: usize,
     iterations: usize,
 }
 
-/// What [`Path::newton`] needs to know of an attempt that converged.
+/// How well a load step is to be solved.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Target {
+    /// To the tolerance asked for.
+    Requested,
+    /// Well enough to go on from.
+    OnTheWay,
+}
+
+/// Measures of a correction.
+#[derive(Clone, Copy, Default)]
+struct Correction {
+    /// ‖\[Δq; Δλ\]‖, mm and N.
+    norm: f64,
+    /// Largest component of Δq, mm.
+    largest: f64,
+    /// Whether the next one is to be tried with the same factor.
+    goes_on: bool,
+    /// Residual norm before it, N.
+    residual: f64,
+}
+
+/// An attempt that converged.
 struct Converged {
     state: State,
     iterations: usize,
-    /// Displacement per kPa at the beginning of the step.
-    tangent: Vec<[f64; 3]>,
 }
 
 impl<'a> Path<'a> {
@@ -77,18 +108,7 @@ impl<'a> Path<'a> {
             multipliers: vec![0.0; 3 * n],
             contact_points: 0,
         };
-        Ok(Self {
-            system,
-            settings,
-            observer,
-            begin,
-            state,
-            has_factor: false,
-            last_tangent: None,
-            size,
-            step: 0,
-            iterations: 0,
-        })
+        Ok(Self { system, settings, observer, begin, state, has_factor: false, size, step: 0, iterations: 0 })
     }
 
     /// Newton iterations so far, those of rejected attempts included.
@@ -124,26 +144,24 @@ impl<'a> Path<'a> {
         }
         while self.state.pressure_kpa < pressure_kpa {
             let start = self.state.pressure_kpa;
-            let remaining = pressure_kpa - start;
             // A last step that would leave a crumb takes it along.
-            let target = if remaining <= 1.01 * size { pressure_kpa } else { start + size };
+            let is_last = pressure_kpa - start <= 1.01 * size;
+            let wanted = if is_last { pressure_kpa } else { start + size };
             self.step += 1;
-            (self.observer)(Event::StepStarted { step: self.step, pressure_kpa: target });
-            match self.newton(target, None) {
+            match self.load_step(wanted, pressure_kpa) {
                 Ok(converged) => {
                     load_steps += 1;
                     if converged.iterations <= 8 {
-                        size = (2.0 * (target - start)).min(self.settings.max_step_kpa);
+                        size = (2.0 * (wanted - start)).min(self.settings.max_step_kpa);
                     }
-                    self.last_tangent = Some((converged.tangent, target - start));
                     self.state = converged.state;
                 }
                 Err(cause) => {
-                    (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: target, cause: &cause });
+                    (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: wanted, cause: &cause });
                     self.has_factor = false;
-                    size = 0.5 * (target - start);
+                    size = 0.5 * (wanted - start);
                     if size < self.settings.min_step_kpa {
-                        return Err(Failure { reached_kpa: start, attempted_kpa: target, cause });
+                        return Err(Failure { reached_kpa: start, attempted_kpa: wanted, cause });
                     }
                 }
             }
@@ -164,7 +182,9 @@ impl<'a> Path<'a> {
             .map(|(target, now)| std::array::from_fn(|k| target[k] - now[k]))
             .collect();
         self.has_factor = false;
-        let converged = self.newton(self.state.pressure_kpa, Some(change))?;
+        let start = self.state.displacement.clone();
+        self.system.carry_pressures(&start);
+        let converged = self.newton(self.state.pressure_kpa, start, Some(change), Target::Requested)?;
         self.state = converged.state;
         Ok(self.land(self.iterations - before, 1))
     }
@@ -180,69 +200,124 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Newton's method at one pressure, from the present equilibrium.
-    fn newton(&mut self, pressure_kpa: f64, mut imposed: Option<Vec<[f64; 3]>>) -> Result<Converged, Cause> {
-        let pressure = pressure_kpa * MPA_PER_KPA;
+    /// One load step towards `wanted` (kPa): a guess along the tangent, cut short where walls would be driven deep into
+    /// each other, and Newton's method from there, to the end only at the pressure asked for.
+    fn load_step(&mut self, wanted: f64, requested: f64) -> Result<Converged, Cause> {
+        let start = self.state.pressure_kpa;
         let mut u = self.state.displacement.clone();
-        let mut multipliers = self.state.multipliers.clone();
-        self.system.carry_pressures(&u);
-        let load = self.system.load_norm(&u, pressure).max(f64::MIN_POSITIVE);
-
-        let mut tangent = Vec::new();
-        if self.has_factor && imposed.is_none() {
-            // Tangent predictor with the factor of the present equilibrium.
-            self.system.assemble(&u, pressure, Request::Residual).map_err(Cause::from)?;
-            let correction = self.system.solve(None).map_err(Cause::from)?;
-            tangent = scaled(&correction, 1.0 / (pressure_kpa - self.state.pressure_kpa));
-            self.limited_correction(&mut u, &correction)?;
-        }
-        self.has_factor = false;
-
-        let (mut least, mut most) = (usize::MAX, 0);
-        let mut last = (f64::INFINITY, f64::INFINITY);
-        for iteration in 1..=self.settings.max_iterations {
+        let mut iterations = 0;
+        if !self.has_factor {
+            self.system.carry_pressures(&u);
+            self.system.assemble(&u, start * MPA_PER_KPA, Request::Tangent)?;
+            self.system.factorize()?;
             self.iterations += 1;
-            self.system.assemble(&u, pressure, Request::Tangent).map_err(Cause::from)?;
-            let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
-            let inertia = self.system.factorize().map_err(Cause::from)?;
-            let correction = self.system.solve(imposed.take().as_deref()).map_err(Cause::from)?;
-            if tangent.is_empty() {
-                tangent = scaled(&correction, 1.0 / (pressure_kpa - self.state.pressure_kpa));
+            iterations = 1;
+        }
+        // The present pressure in the factor, the new one in the residual: with the new pressure in K as well, K is
+        // indefinite where the stresses that balance it are still missing.
+        self.system.assemble(&u, wanted * MPA_PER_KPA, Request::Residual)?;
+        let correction = self.system.solve(None)?;
+        self.has_factor = false;
+        let allowed = self.system.deepest_penetration(&u).max(DEEP);
+        let mut share = 1.0;
+        loop {
+            let guess = scaled(&correction, share);
+            let mut trial = u.clone();
+            self.system.warp(&mut trial, &guess)?;
+            if share * SHORTEN < SHORTEST || self.system.deepest_penetration(&trial) <= allowed {
+                self.system.carry(&u, &guess);
+                u = trial;
+                break;
             }
-            let updated = self.system.multipliers(&correction).map_err(Cause::from)?;
+            share *= SHORTEN;
+        }
+        let pressure_kpa = if share < 1.0 { start + share * (wanted - start) } else { wanted };
+        let target = if pressure_kpa == requested { Target::Requested } else { Target::OnTheWay };
+        (self.observer)(Event::StepStarted { step: self.step, pressure_kpa });
+        let mut converged = self.newton(pressure_kpa, u, None, target)?;
+        converged.iterations += iterations;
+        Ok(converged)
+    }
+
+    /// Newton's method at one pressure from a guess `u`; `imposed` are changes wanted at held degrees of freedom.
+    fn newton(
+        &mut self,
+        pressure_kpa: f64,
+        mut u: Vec<[f64; 3]>,
+        mut imposed: Option<Vec<[f64; 3]>>,
+        target: Target,
+    ) -> Result<Converged, Cause> {
+        let pressure = pressure_kpa * MPA_PER_KPA;
+        let mut multipliers = self.state.multipliers.clone();
+        let load = self.system.load_norm(&u, pressure).max(f64::MIN_POSITIVE);
+        let (mut least, mut most) = (usize::MAX, 0);
+        let mut last = Correction::default();
+        let mut negative_pivots = 0;
+        let mut iteration = 0;
+        while iteration < self.settings.max_iterations {
+            // An old factor serves as long as it contracts well; a new one is an iteration.
+            let is_stale = iteration > 0 && last.largest < STALE_BELOW && last.goes_on;
+            if is_stale {
+                self.system.assemble(&u, pressure, Request::Residual)?;
+            } else {
+                iteration += 1;
+                self.iterations += 1;
+                self.system.assemble(&u, pressure, Request::Tangent)?;
+                negative_pivots = self.system.factorize()?.negative;
+            }
+            let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
+            let correction = self.system.solve(imposed.take().as_deref())?;
+            let updated = self.system.multipliers(&correction)?;
             let squared: f64 = correction.as_flattened().iter().map(|x| x * x).sum::<f64>()
                 + updated.iter().zip(&multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+            let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             let norm = squared.sqrt();
+            let ratio = if is_stale { norm / last.norm } else { 0.0 };
+            // An old factor goes on while it needs few more corrections to get there.
+            let goes_on = ratio * ratio * norm < self.settings.tolerance || !is_stale;
+            let now = Correction { norm, largest, goes_on, residual };
             multipliers = updated;
             let touching = self.system.contact_points();
             let record = IterationRecord {
                 step: self.step,
                 iteration,
+                new_tangent: !is_stale,
                 pressure_kpa,
-                correction: norm,
+                correction: now.norm,
                 residual,
                 relative_residual: residual / load,
                 contact_points: touching,
-                negative_pivots: inertia.negative,
+                negative_pivots,
                 elapsed_s: self.begin.elapsed().as_secs_f64(),
             };
             (self.observer)(Event::Iteration(&record));
-            let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            if !norm.is_finite() || largest > RUNAWAY * self.size {
-                return Err(Cause::Diverged { correction: norm });
+            if !now.norm.is_finite() || largest > RUNAWAY * self.size {
+                return Err(Cause::Diverged { correction: now.norm });
             }
-            last = (norm, residual);
             if iteration + 6 > self.settings.max_iterations {
                 (least, most) = (least.min(touching), most.max(touching));
             }
-            self.limited_correction(&mut u, &correction)?;
-
-            if norm < self.settings.tolerance {
-                self.system.assemble(&u, pressure, Request::Residual).map_err(Cause::from)?;
+            // A correction with an old factor that hardly contracts is thrown away.
+            let is_used = ratio < STALE_CONTRACTION || norm < self.settings.tolerance;
+            if is_used {
+                self.system.carry(&u, &correction);
+                self.system.warp(&mut u, &correction)?;
+            }
+            if !is_used {
+                last.goes_on = false;
+                continue;
+            }
+            last = now;
+            if target == Target::OnTheWay && largest < LOOSE {
+                self.has_factor = !is_stale;
+                return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
+            }
+            if last.norm < self.settings.tolerance {
+                self.system.assemble(&u, pressure, Request::Residual)?;
                 let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
                 if residual <= self.settings.residual_tolerance * load {
-                    if inertia.negative > 0 {
-                        return Err(Cause::IndefiniteTangent { negative_pivots: inertia.negative });
+                    if negative_pivots > 0 {
+                        return Err(Cause::IndefiniteTangent { negative_pivots });
                     }
                     // Reactions of the final state, not of its linearisation.
                     for ((value, r), held) in
@@ -250,39 +325,31 @@ impl<'a> Path<'a> {
                     {
                         *value = if *held { -r } else { 0.0 };
                     }
-                    let contact_points = self.system.contact_points();
                     self.has_factor = true;
-                    let state = State { pressure_kpa, displacement: u, multipliers, contact_points };
-                    return Ok(Converged { state, iterations: iteration, tangent });
+                    return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
                 }
             }
         }
-        if most > least && last.0 < 1.0 {
+        if most > least && last.norm < 1.0 {
             return Err(Cause::ContactChatter { least, most });
         }
         Err(Cause::TooManyIterations {
             iterations: self.settings.max_iterations,
-            correction: last.0,
-            residual: last.1,
+            correction: last.norm,
+            residual: last.residual,
             node: self.largest_residual_node(),
         })
     }
 
-    /// Applies a correction, shortened if it would drive walls deep into each other.
-    fn limited_correction(&mut self, u: &mut Vec<[f64; 3]>, correction: &[[f64; 3]]) -> Result<(), Cause> {
-        let allowed = self.system.deepest_penetration(u).max(DEEP);
-        let mut factor = 1.0;
-        loop {
-            let shortened = scaled(correction, factor);
-            let mut trial = u.clone();
-            self.system.warp(&mut trial, &shortened).map_err(Cause::from)?;
-            if factor < 0.3 || self.system.deepest_penetration(&trial) <= allowed {
-                self.system.carry(u, &shortened);
-                *u = trial;
-                return Ok(());
-            }
-            factor *= 0.7;
-        }
+    fn converged(
+        &self,
+        pressure_kpa: f64,
+        displacement: Vec<[f64; 3]>,
+        multipliers: Vec<f64>,
+        iterations: usize,
+    ) -> Converged {
+        let contact_points = self.system.contact_points();
+        Converged { state: State { pressure_kpa, displacement, multipliers, contact_points }, iterations }
     }
 
     fn largest_residual_node(&self) -> usize {
