@@ -1,27 +1,29 @@
 //! `pneuflex check`: what would be solved, without solving it.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
 
 use pneuflex_model::{Case, ContactMethod, Problem};
+use pneuflex_post::stress::material_limit;
 use pneuflex_post::summary::probe_sites;
 
 use crate::args::CaseArguments;
 use crate::case_file::CaseFile;
-use crate::error::CliError;
+use crate::error::{CliError, say};
 use crate::memory::{Estimate, size, thousands};
 
 /// Checks a case and prints what would be solved.
 ///
 /// # Errors
 /// Bad input.
-#[allow(clippy::print_stdout, clippy::print_stderr)]
 pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
     let file = CaseFile::load(&arguments.case, &arguments.set)?;
     if let Some(warning) = Estimate::of(&file.case).guard(false)? {
-        eprintln!("warning: {warning}");
+        say(&format!("warning: {warning}"));
     }
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
-    print!("{}", describe(&file.case, &problem));
+    // Nobody reading on is no error.
+    let _ = io::stdout().write_all(describe(&file.case, &problem).as_bytes());
     Ok(())
 }
 
@@ -69,6 +71,9 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         material.c30,
         material.bulk_modulus
     )?;
+    if let Some(limit) = material_limit(material) {
+        writeln!(text, "          gives way where the invariant exceeds 3 by {limit:.2}")?;
+    }
     for support in &problem.supports {
         let axes: String =
             ["x", "y", "z"].iter().zip(support.axes).filter(|(_, held)| *held).map(|(a, _)| *a).collect();
@@ -100,7 +105,7 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };
         writeln!(text, "probe     {name}: node {} at ({x}, {y}, {z}){far}", site.node)?;
     }
-    writeln!(text, "memory    about {}", size(Estimate::of_mesh(mesh.num_elements(), unknowns).bytes))
+    writeln!(text, "memory    about {}", size(Estimate::of_mesh(case, mesh.num_elements(), unknowns).bytes))
 }
 
 fn plural(count: usize, noun: &str) -> String {

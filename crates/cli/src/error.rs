@@ -1,7 +1,7 @@
 //! What can go wrong, and how it is shown: with the source line on a terminal, as one plain line elsewhere.
 
 use std::fmt;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -106,27 +106,31 @@ impl Diagnostic for InputError {
 
 impl CliError {
     /// Prints the error on standard error.
-    #[allow(clippy::print_stderr)]
     pub fn print(&self) {
         match self {
             Self::Input(error) if io::stderr().is_terminal() => {
                 let mut text = String::new();
                 match GraphicalReportHandler::new().render_report(&mut text, error) {
-                    Ok(()) => eprintln!("{text}"),
-                    Err(_) => eprintln!("error: {error}"),
+                    Ok(()) => say(&text),
+                    Err(_) => say(&format!("error: {error}")),
                 }
             }
             Self::Input(error) => {
                 match &error.place {
-                    Some(p) if p.name.starts_with("--set") => eprintln!("error: {}: {error}", p.name),
-                    Some(p) => eprintln!("error: {}:{}:{}: {error}", p.name, p.line, p.column),
-                    None => eprintln!("error: {error}"),
+                    Some(p) if p.name.starts_with("--set") => say(&format!("error: {}: {error}", p.name)),
+                    Some(p) => say(&format!("error: {}:{}:{}: {error}", p.name, p.line, p.column)),
+                    None => say(&format!("error: {error}")),
                 }
                 if let Some(help) = &error.help {
-                    eprintln!("  help: {help}");
+                    say(&format!("  help: {help}"));
                 }
             }
-            Self::Output(message) => eprintln!("error: {message}"),
+            Self::Output(message) => say(&format!("error: {message}")),
         }
     }
+}
+
+/// Prints a line on standard error; nobody listening there is no reason to stop.
+pub fn say(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
 }

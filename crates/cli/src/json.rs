@@ -1,9 +1,12 @@
 //! JSON without gaps: a number that is not finite never becomes a silent `null`.
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use std::io::{self, Write};
 
-/// The value as pretty JSON text.
+use serde::Serialize;
+use serde_json::ser::{Formatter, PrettyFormatter};
+use serde_json::{Map, Serializer, Value};
+
+/// The value as readable JSON text.
 ///
 /// # Errors
 /// The path of the first number that is not finite.
@@ -12,7 +15,40 @@ pub fn pretty(value: &impl Serialize) -> Result<String, String> {
     if let Some(path) = first_null(&checked) {
         return Err(format!("`{path}` is not a finite number"));
     }
-    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(|e| e.to_string())
+    let mut bytes = Vec::new();
+    let mut serializer = Serializer::with_formatter(&mut bytes, Readable(PrettyFormatter::new()));
+    value.serialize(&mut serializer).map_err(|e| e.to_string())?;
+    bytes.push(b'\n');
+    String::from_utf8(bytes).map_err(|e| e.to_string())
+}
+
+/// Objects over several lines, lists in one: a centreline of a hundred points is not four hundred lines.
+struct Readable(PrettyFormatter<'static>);
+
+impl Formatter for Readable {
+    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        if first { Ok(()) } else { writer.write_all(b", ") }
+    }
+
+    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.0.begin_object(writer)
+    }
+
+    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.0.end_object(writer)
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        self.0.begin_object_key(writer, first)
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.0.begin_object_value(writer)
+    }
+
+    fn end_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.0.end_object_value(writer)
+    }
 }
 
 /// A flat record as one line of JSON; numbers that are not finite are left out and listed under `not_finite`.
@@ -63,7 +99,8 @@ mod tests {
     fn undefined_numbers_are_named() {
         let record = Record { step: 1, values: vec![[0.0, 1.0], [2.0, f64::NAN]], residual: 1.0 };
         assert_eq!(pretty(&record).unwrap_err(), "`values[1][1]` is not a finite number");
-        assert!(pretty(&Record { step: 1, values: vec![], residual: 1.0 }).is_ok());
+        let text = pretty(&Record { step: 1, values: vec![[0.0, 1.0], [2.0, 3.0]], residual: 0.5 }).unwrap();
+        assert_eq!(text, "{\n  \"step\": 1,\n  \"values\": [[0.0, 1.0], [2.0, 3.0]],\n  \"residual\": 0.5\n}\n");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `pneuflex new`: a commented case file to start from.
 
 use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
 use crate::args::{CaseKind, NewArguments};
@@ -36,7 +36,6 @@ pub fn text(kind: CaseKind) -> String {
 ///
 /// # Errors
 /// A file that exists already or cannot be written.
-#[allow(clippy::print_stdout)]
 pub fn new(arguments: &NewArguments) -> Result<(), CliError> {
     let default = match arguments.kind {
         CaseKind::TwoChamber => "two_chamber.toml",
@@ -53,6 +52,7 @@ pub fn new(arguments: &NewArguments) -> Result<(), CliError> {
     file.write_all(text(arguments.kind).as_bytes())
         .map_err(|error| CliError::Output(format!("{}: cannot be written: {error}", path.display())))?;
     let name = path.display();
-    println!("wrote {name}\nnext: pneuflex check {name}\n      pneuflex run {name}");
+    // Nobody reading on is no error.
+    let _ = writeln!(io::stdout(), "wrote {name}\nnext: pneuflex check {name}\n      pneuflex run {name}");
     Ok(())
 }

@@ -7,6 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pneuflex_newton::{Cause, IterationRecord};
 use pneuflex_post::summary::StepSummary;
 
+use crate::error::say;
+
 /// Tells somebody how a run is going.
 pub struct Progress {
     output: Output,
@@ -46,11 +48,10 @@ impl Progress {
     }
 
     /// Prints a line.
-    #[allow(clippy::print_stderr)]
     pub fn line(&self, text: &str) {
         match &self.output {
             Output::Quiet => {}
-            Output::Lines => eprintln!("{text}"),
+            Output::Lines => say(text),
             Output::Bar(bar) => bar.println(text),
         }
     }
@@ -101,6 +102,9 @@ impl Progress {
              penetration {:.4} mm{left}",
             summary.end_face_angle_deg, contact.points_active, contact.max_penetration_mm
         ));
+        if let Some(warning) = &summary.warning {
+            self.line(&format!("  warning: {warning}"));
+        }
     }
 
     /// The run is over.

@@ -7,7 +7,7 @@ use pneuflex_newton::{Event, follow_path};
 
 use crate::args::RunArguments;
 use crate::case_file::CaseFile;
-use crate::error::{CliError, InputError};
+use crate::error::{self, CliError, InputError};
 use crate::folder::OutputFolder;
 use crate::memory::{Estimate, thousands};
 use crate::progress::{Progress, duration};
@@ -26,18 +26,17 @@ pub enum Outcome {
 ///
 /// # Errors
 /// Bad input, found before anything is solved or written; results that cannot be written.
-#[allow(clippy::print_stderr)]
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
     let warning = Estimate::of(&file.case).guard(arguments.force)?;
-    let default = || PathBuf::from("out").join(file.stem());
-    let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(threads))
             .build_global()
             .map_err(|e| InputError::new(format!("--threads {threads}: {e}")))?;
     }
+    let default = || PathBuf::from("out").join(file.stem());
+    let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
     let pressures = &file.case.load.pressure_kpa;
     let mut progress = Progress::new(arguments.quiet, pressures.last().copied().unwrap_or(0.0));
@@ -76,7 +75,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let (Ok(report) | Err((_, report))) = result;
     if let Some(failure) = failure {
         // Said even when quiet: it is the reason for the exit code.
-        eprintln!("error: {failure}\n  what was computed so far is in {}", folder.display());
+        error::say(&format!("error: {failure}\n  what was computed so far is in {}", folder.display()));
         return Ok(Outcome::NotConverged);
     }
     progress.line(&format!(

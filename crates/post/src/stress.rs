@@ -18,7 +18,7 @@
 use pneuflex_material_yeoh::{Kinematics, Yeoh};
 use pneuflex_mesh::mesh::determinant;
 use pneuflex_mesh::{ElementKind, quadrature, shape};
-use pneuflex_model::{Formulation, Problem};
+use pneuflex_model::{Formulation, Invariant, Material, Problem};
 
 use crate::error::{PostError, check};
 use crate::vector::at_node;
@@ -37,6 +37,8 @@ pub struct StressPoint {
     pub stress: SymmetricTensor,
     /// von Mises stress, MPa.
     pub von_mises: f64,
+    /// The invariant the energy depends on, less its value 3 at rest: I₁ − 3 or Ī₁ − 3.
+    pub invariant_minus_3: f64,
 }
 
 /// Stresses of a whole body in one state.
@@ -81,6 +83,12 @@ fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
         Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Hex20 => quadrature::hexahedron(2),
         Formulation::Hex27 => quadrature::hexahedron(3),
     }
+}
+
+/// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
+/// `None` if there is none. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
+pub fn material_limit(material: &Material) -> Option<f64> {
+    Yeoh::new(material).zero_slope()
 }
 
 /// von Mises stress of a symmetric tensor (theory §3).
@@ -138,7 +146,14 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
                 }
             }
             strain_energy += law.evaluate(&state.kinematics).energy * state.volume;
-            points.push(StressPoint { position, volume: state.volume, stress, von_mises: von_mises(stress) });
+            let invariant_minus_3 = match problem.material.invariant {
+                Invariant::Full => state.kinematics.i1_minus_3,
+                Invariant::Isochoric => {
+                    (state.kinematics.i1_minus_3 + 3.0) * state.kinematics.jacobian.powf(-2.0 / 3.0) - 3.0
+                }
+            };
+            let von_mises = von_mises(stress);
+            points.push(StressPoint { position, volume: state.volume, stress, von_mises, invariant_minus_3 });
         }
     }
     if !strain_energy.is_finite() || !points.iter().all(|p| p.von_mises.is_finite()) {
@@ -234,6 +249,11 @@ impl StressField {
         self.points.iter().max_by(|a, b| a.von_mises.total_cmp(&b.von_mises))
     }
 
+    /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point; 0 for a body without elements.
+    pub fn largest_invariant_minus_3(&self) -> f64 {
+        self.points.iter().map(|p| p.invariant_minus_3).max_by(f64::total_cmp).unwrap_or(0.0)
+    }
+
     /// The von Mises stress, MPa, that is not exceeded in the share `fraction` of the reference volume (0 … 1).
     pub fn von_mises_quantile(&self, fraction: f64) -> f64 {
         let mut sorted: Vec<(f64, f64)> = self.points.iter().map(|p| (p.von_mises, p.volume)).collect();
@@ -314,7 +334,6 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
-    use pneuflex_model::Invariant;
 
     const ALL: [Formulation; 4] = [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
 
@@ -406,7 +425,13 @@ mod tests {
 
     #[test]
     fn quantile_is_weighted_by_volume() {
-        let point = |von_mises, volume| StressPoint { position: [0.0; 3], volume, stress: [0.0; 6], von_mises };
+        let point = |von_mises, volume| StressPoint {
+            position: [0.0; 3],
+            volume,
+            stress: [0.0; 6],
+            von_mises,
+            invariant_minus_3: 0.0,
+        };
         let field = StressField {
             points: vec![point(5.0, 1.0), point(1.0, 98.0), point(9.0, 1.0)],
             points_per_element: 1,

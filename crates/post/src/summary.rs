@@ -57,6 +57,11 @@ pub struct StepSummary {
     /// Strain energy of the modelled body, mJ, relative to the undeformed state; with the `full` invariant that state is
     /// not the one of least energy, and the number may be negative.
     pub strain_energy_mj: f64,
+    /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point.
+    pub max_invariant_minus_3: f64,
+    /// What to be careful about; left out if there is nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
 }
 
 /// Contact at one landed pressure.
@@ -146,9 +151,22 @@ pub fn describe(
         cavity_volume_mm3: measures::cavity_volume(problem, u)?,
         reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
         strain_energy_mj: stress.strain_energy,
+        max_invariant_minus_3: stress.largest_invariant_minus_3(),
+        warning: material_warning(problem, &stress),
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })
+}
+
+fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
+    let limit = stress::material_limit(&problem.material)?;
+    let beyond: Vec<_> = stress.points.iter().filter(|p| p.invariant_minus_3 > limit).collect();
+    let [x, y, z] = beyond.iter().max_by(|a, b| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?.position;
+    Some(format!(
+        "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: the invariant exceeds 3 \
+         by more than {limit:.2}, where these constants have no stiffness left",
+        beyond.len()
+    ))
 }
 
 impl Described {
@@ -167,7 +185,7 @@ impl Described {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::two_chambers;
+    use crate::testing::{displacement_of, two_chambers};
 
     #[test]
     fn a_state_at_rest_is_described() {
@@ -184,9 +202,22 @@ mod tests {
         assert!((summary.contact.min_gap_mm.unwrap() - 2.0).abs() < 1e-12);
         let (body, walls) = described.field_files(&problem, &state).unwrap();
         assert!(body.contains("von_mises") && walls.unwrap().contains("contact_traction"));
+        assert_eq!((summary.max_invariant_minus_3, &summary.warning), (0.0, &None));
         let json = serde_json::to_value(summary).unwrap();
         for key in ["pressure_kpa", "converged", "iterations", "probes", "end_face_angle_deg", "centreline"] {
             assert!(json.get(key).is_some(), "{key}");
         }
+    }
+
+    #[test]
+    fn a_material_stretched_beyond_its_limit_is_a_warning() {
+        let problem = two_chambers(2.0);
+        // Plane stretch to 8 has I₁ − 3 = 64 + 1/64 + 1 − 3, beyond the limit of 54.83.
+        let u = displacement_of(&problem, |x| [7.0 * x[0], 0.0, -0.875 * x[2]]);
+        let state = State { pressure_kpa: 5.0, displacement: &u, reaction: &u, iterations: 3, load_steps: 1 };
+        let summary = describe(&problem, &BTreeMap::new(), &state).unwrap().summary;
+        assert!((summary.max_invariant_minus_3 - (62.0 + 1.0 / 64.0)).abs() < 1e-9);
+        let warning = summary.warning.unwrap();
+        assert!(warning.contains("2904 integration points") && warning.contains("54.83"), "{warning}");
     }
 }
