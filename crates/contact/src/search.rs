@@ -1,10 +1,10 @@
 //! Which points touch which faces.
 
-use pneuflex_mesh::{Mesh, quadrature, shape};
+use pneuflex_mesh::{FaceKind, Mesh, quadrature, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
 use rayon::prelude::*;
 
-use crate::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project, unit_normal};
+use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
 use crate::projection::{dot, sub};
 use crate::surface::Surface;
 
@@ -183,13 +183,20 @@ impl ContactModel {
         let SurfacePair { slave, master, areas, first_point, reach, .. } = &self.pairs[pair];
         let kind = slave.kind;
         let shapes: Vec<_> = self.rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
-        let boxes: Vec<_> = (0..master.num_faces()).map(|face| master.bounding_box(face, positions)).collect();
+        let boxes: Vec<_> = (0..master.num_faces()).map(|face| grown_box(master, face, positions)).collect();
         let mut blocks: Vec<ContactBlock> = Vec::new();
-        let mut candidates: Vec<usize> = Vec::new();
+        let mut candidates: Vec<(usize, [[f64; 3]; 2])> = Vec::new();
+        let mut order = Vec::new();
         for face in 0..slave.num_faces() {
             candidates.clear();
             let bounds = slave.bounding_box(face, positions);
-            candidates.extend((0..boxes.len()).filter(|&m| boxes_overlap(&bounds, &boxes[m], *reach)));
+            candidates.extend(
+                boxes
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, other)| boxes_overlap(&bounds, other, *reach))
+                    .map(|(m, b)| (m, *b)),
+            );
             if candidates.is_empty() {
                 continue;
             }
@@ -197,7 +204,9 @@ impl ContactModel {
             let first_block = blocks.len();
             for (index, (&(slave_xi, _), shape)) in self.rule.iter().zip(&shapes).enumerate() {
                 let point = face_geometry(&nodes[..kind.num_nodes()], shape).position;
-                let Some((master_face, foot)) = closest(master, &candidates, positions, point) else { continue };
+                let Some((master_face, foot)) = closest(master, &candidates, &mut order, positions, point) else {
+                    continue;
+                };
                 if foot.distance >= margin || foot.distance < -*reach {
                     continue;
                 }
@@ -227,22 +236,47 @@ impl ContactModel {
 }
 
 /// The foot that counts: the nearest one inside a face; failing that, the nearest one on a slightly continued face.
+///
+/// `candidates` are faces with bounding boxes that hold their continuation too. No foot is nearer than its box, so
+/// faces are tried in the order of their boxes' distance until none can beat the best foot.
 fn closest(
     master: &Surface,
-    candidates: &[usize],
+    candidates: &[(usize, [[f64; 3]; 2])],
+    order: &mut Vec<(f64, usize)>,
     positions: &[[f64; 3]],
     point: [f64; 3],
-) -> Option<(usize, crate::projection::Projection)> {
+) -> Option<(usize, Projection)> {
     let n = master.kind.num_nodes();
-    let mut best: Option<(usize, crate::projection::Projection)> = None;
-    let rank = |p: &crate::projection::Projection| (p.excess > EDGE_TOLERANCE, p.distance.abs());
-    for &face in candidates {
+    order.clear();
+    order.extend(candidates.iter().map(|(face, bounds)| (distance_to_box(point, bounds), *face)));
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let is_outside = |p: &Projection| p.excess > EDGE_TOLERANCE;
+    // Ties go to the face that comes first in the surface.
+    let rank = |face: usize, p: &Projection| (is_outside(p), p.distance.abs(), face);
+    let mut best: Option<(usize, Projection)> = None;
+    for &(distance, face) in order.iter() {
+        if best.as_ref().is_some_and(|(_, foot)| !is_outside(foot) && foot.distance.abs() < distance) {
+            break;
+        }
         let Some(foot) = project(master.kind, &master.face_positions(face, positions)[..n], point) else { continue };
-        if foot.excess <= EXTENSION && best.as_ref().is_none_or(|(_, b)| rank(&foot) < rank(b)) {
+        if foot.excess <= EXTENSION && best.as_ref().is_none_or(|(b, p)| rank(face, &foot) < rank(*b, p)) {
             best = Some((face, foot));
         }
     }
     best
+}
+
+fn distance_to_box(point: [f64; 3], bounds: &[[f64; 3]; 2]) -> f64 {
+    let outside: [f64; 3] = std::array::from_fn(|d| (bounds[0][d] - point[d]).max(point[d] - bounds[1][d]).max(0.0));
+    dot(outside, outside).sqrt()
+}
+
+/// Bounding box of a face with room for its continuation beyond its edges and for the bulge of a quadratic face.
+fn grown_box(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let [low, high] = surface.bounding_box(face, positions);
+    let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+    let share = if surface.kind == FaceKind::Quad4 { EXTENSION } else { 2.5 * EXTENSION };
+    [low.map(|x| x - share * size), high.map(|x| x + share * size)]
 }
 
 fn boxes_overlap(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2], margin: f64) -> bool {

@@ -113,3 +113,44 @@ fn near_pairs_cover_every_touching_pair() {
     assert!(touching.iter().all(|block| near.contains(&block.nodes)));
     assert!(model.search(&mesh.nodes).is_empty(), "nothing touches at rest");
 }
+
+/// Brute force: the closest foot over all faces, without boxes or order.
+#[test]
+fn the_search_finds_the_same_points_as_brute_force() {
+    use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project};
+    for kind in [ElementKind::Hex8, ElementKind::Hex27] {
+        let (mesh, pairs, positions) = touching(kind);
+        let model = ContactModel::new(&mesh, &pairs, &Contact { method: ContactMethod::MultiPoint, stiffness: 4.0 });
+        let (slave, master) = model.surfaces(0);
+        let n = slave.kind.num_nodes();
+        let mut expected = Vec::new();
+        for face in 0..slave.num_faces() {
+            for (xi, _) in pneuflex_mesh::quadrature::contact_face(slave.kind) {
+                let nodes = slave.face_positions(face, &positions);
+                let shape = pneuflex_mesh::shape::evaluate_face(slave.kind, xi);
+                let point = face_geometry(&nodes[..n], &shape).position;
+                let best = (0..master.num_faces())
+                    .filter_map(|m| Some((m, project(master.kind, &master.face_positions(m, &positions)[..n], point)?)))
+                    .filter(|(_, foot)| foot.excess <= EXTENSION)
+                    .min_by(|(_, a), (_, b)| {
+                        let outside = |e: f64| e > EDGE_TOLERANCE;
+                        (outside(a.excess).cmp(&outside(b.excess))).then(a.distance.abs().total_cmp(&b.distance.abs()))
+                    });
+                if let Some((m, foot)) = best.filter(|(_, foot)| foot.distance < 0.0) {
+                    expected.push((face, m, xi.map(f64::to_bits), foot.distance));
+                }
+            }
+        }
+        let mut found: Vec<_> = model
+            .search(&positions)
+            .iter()
+            .flat_map(|b| {
+                b.points.iter().map(|p| (b.slave_face, b.master_face, p.slave_xi.map(f64::to_bits), p.distance))
+            })
+            .collect();
+        expected.sort_by(|a, b| (a.0, a.2, a.1).cmp(&(b.0, b.2, b.1)));
+        found.sort_by(|a, b| (a.0, a.2, a.1).cmp(&(b.0, b.2, b.1)));
+        assert!(found.len() > 10);
+        assert_eq!(found, expected, "{kind:?}");
+    }
+}
