@@ -1,0 +1,166 @@
+//! Problems, paths and comparisons that the tests share.
+
+use nalgebra::DMatrix;
+use pneuflex_factor::BlockPattern;
+use pneuflex_mesh::{Actuator, Mesh, MeshSize};
+use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver};
+use pneuflex_newton::{Event, LandedState, follow_path};
+use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
+
+pub const FORMULATIONS: [Formulation; 4] =
+    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
+pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
+
+/// Volume weights of the reference's air that make its forces those of the production path, node by node: the field (0, y, 0)
+/// vanishes on a rim in the symmetry plane y = 0. With a third for every axis the gradient of the volume also pulls at
+/// the rim along y: `reference_volume_by_thirds_adds_forces_on_the_rim_only`.
+pub const RIM_AT_Y_0: [f64; 3] = [0.0, 1.0, 0.0];
+
+/// A body without loads, supports and contact.
+pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem {
+    Problem {
+        mesh,
+        formulation,
+        material,
+        supports: Vec::new(),
+        pressure_facets: Vec::new(),
+        contact: Contact { method: ContactMethod::None, ..Contact::default() },
+        contact_pairs: Vec::new(),
+    }
+}
+
+/// An actuator with the paper's material.
+pub fn actuator_problem(
+    actuator: &Actuator,
+    size: [f64; 3],
+    formulation: Formulation,
+    invariant: Invariant,
+    method: ContactMethod,
+) -> Problem {
+    let material = Material { invariant, ..Material::default() };
+    let contact = Contact { method, ..Contact::default() };
+    Problem::from_actuator(actuator, &MeshSize { size, wall_elements: 1 }, formulation, material, contact).unwrap()
+}
+
+/// Two coarse chambers, 858 unknowns, whose gap is so narrow that their upper edges touch between 5 and 20 kPa.
+pub fn coarse_chambers(formulation: Formulation, invariant: Invariant, method: ContactMethod) -> Problem {
+    let actuator = Actuator { gap: 0.3, ..Actuator::two_chambers() };
+    actuator_problem(&actuator, [4.0, 5.0, 4.5], formulation, invariant, method)
+}
+
+/// Displacements X ↦ r(X) − X.
+pub fn displacement(mesh: &Mesh, deformed: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
+    mesh.nodes
+        .iter()
+        .map(|&x| {
+            let r = deformed(x);
+            std::array::from_fn(|k| r[k] - x[k])
+        })
+        .collect()
+}
+
+/// Displacements between ± `amplitude` that look random and are always the same.
+pub fn noise(nodes: usize, amplitude: f64, seed: u64) -> Vec<[f64; 3]> {
+    let mut state = seed;
+    let mut next = || {
+        // Knuth's linear congruential generator; the upper bits are good enough.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        amplitude * (2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0)
+    };
+    (0..nodes).map(|_| std::array::from_fn(|_| next())).collect()
+}
+
+/// a + b.
+pub fn sum(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] + b[k])).collect()
+}
+
+/// Largest difference relative to the largest entry of `expected`.
+#[track_caller]
+pub fn difference<'a>(
+    found: impl IntoIterator<Item = &'a f64>,
+    expected: impl IntoIterator<Item = &'a f64> + Clone,
+) -> f64 {
+    let largest = expected.clone().into_iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(largest > 0.0, "nothing to compare with");
+    let (mut found, mut expected) = (found.into_iter(), expected.into_iter());
+    let mut difference = 0.0_f64;
+    loop {
+        match (found.next(), expected.next()) {
+            // `max` would lose a NaN.
+            (Some(a), Some(b)) => {
+                assert!(a.is_finite() && b.is_finite());
+                difference = difference.max((a - b).abs());
+            }
+            (None, None) => return difference / largest,
+            _ => panic!("lists of different lengths"),
+        }
+    }
+}
+
+/// The whole of a matrix of which a lower triangle of 3 × 3 blocks is stored.
+pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
+    let n = 3 * pattern.num_nodes();
+    let mut matrix = DMatrix::zeros(n, n);
+    let mut blocks = values.chunks_exact(9);
+    for column in 0..pattern.num_nodes() {
+        for &row in pattern.column(column) {
+            let block = blocks.next().unwrap();
+            for j in 0..3 {
+                for i in 0..3 {
+                    let (i_all, j_all) = (3 * row as usize + i, 3 * column + j);
+                    matrix[(i_all, j_all)] = block[3 * j + i];
+                    matrix[(j_all, i_all)] = block[3 * j + i];
+                }
+            }
+        }
+    }
+    matrix
+}
+
+/// Solver settings under which only rounding errors are left.
+pub fn strict() -> Solver {
+    Solver { tolerance: 1e-9, residual_tolerance: 1e-10, ..Solver::default() }
+}
+
+/// The landed states of the production path.
+#[track_caller]
+pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<LandedState> {
+    let mut landed = Vec::new();
+    let result = follow_path(problem, pressures_kpa, settings, &mut |event| {
+        if let Event::Landed(state) = event {
+            landed.push(state.clone());
+        }
+    });
+    if let Err((failure, _)) = result {
+        panic!("{failure}");
+    }
+    assert_eq!(landed.len(), pressures_kpa.len());
+    landed
+}
+
+/// The reference solver of a problem with the symmetry plane y = 0, and its states.
+#[track_caller]
+pub fn follow_reference(problem: &Problem, pressures_kpa: &[f64]) -> (ReferenceSolver, Vec<ReferenceState>) {
+    let solver = ReferenceSolver::with_volume_weights(problem, RIM_AT_Y_0).unwrap();
+    let states = solver.follow_path(pressures_kpa, &PathOptions::default()).unwrap();
+    (solver, states)
+}
+
+/// Requires displacements to 1e-8 and reactions to 1e-6 relative.
+#[track_caller]
+pub fn assert_same_states(name: &str, found: &[LandedState], expected: &[ReferenceState]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.pressure_kpa, expected.pressure_kpa);
+        let u = difference(&found.displacement, &expected.displacement);
+        let reaction = difference(&found.reaction, &expected.reaction());
+        println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.pressure_kpa);
+        assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.pressure_kpa);
+    }
+}
+
+/// Points that touch in a reference state.
+pub fn touching(solver: &ReferenceSolver, state: &ReferenceState) -> usize {
+    solver.contact().points(&state.displacement).iter().filter(|point| point.gap < 0.0).count()
+}
