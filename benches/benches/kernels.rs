@@ -1,0 +1,52 @@
+//! Assembly, factorisation and solution of one linear system, for each element formulation.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use pneuflex_assembly::Request;
+use pneuflex_benches::{full_actuator, smooth_displacement};
+use pneuflex_factor::Parallelism;
+use pneuflex_model::Formulation;
+use pneuflex_newton::System;
+
+const CASES: [(Formulation, f64); 4] =
+    [(Formulation::Hex8Sri, 1.0), (Formulation::Hex8Q1p0, 1.0), (Formulation::Hex20, 2.0), (Formulation::Hex27, 2.0)];
+
+fn kernels(c: &mut Criterion) {
+    for (formulation, size) in CASES {
+        let problem = full_actuator(formulation, size);
+        let u = smooth_displacement(&problem);
+        let mut group = c.benchmark_group(format!("{formulation} {size} mm, {} unknowns", problem.num_unknowns()));
+        group.sample_size(10);
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut system = pool.install(|| System::new(&problem, Parallelism::Threads)).unwrap();
+            group.bench_function(BenchmarkId::new("assembly", threads), |b| {
+                pool.install(|| b.iter(|| system.assemble(&u, 5e-3, Request::Tangent).unwrap()));
+            });
+            // A state whose tangent is positive definite: rest.
+            let rest = vec![[0.0; 3]; u.len()];
+            pool.install(|| system.assemble(&rest, 0.0, Request::Tangent)).unwrap();
+            group.bench_function(BenchmarkId::new("factorisation", threads), |b| {
+                pool.install(|| b.iter(|| system.factorize().unwrap()));
+            });
+            group.bench_function(BenchmarkId::new("Newton step", threads), |b| {
+                pool.install(|| {
+                    b.iter(|| {
+                        system.carry_pressures(&rest);
+                        system.assemble(&rest, 0.0, Request::Tangent).unwrap();
+                        system.factorize().unwrap();
+                        let correction = system.solve(None).unwrap();
+                        let mut moved = rest.clone();
+                        system.carry(&rest, &correction);
+                        system.warp(&mut moved, &correction).unwrap();
+                        moved
+                    });
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, kernels);
+criterion_main!(benches);
