@@ -15,13 +15,13 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use crate::outcome::Method;
 
 /// Columns eliminated by one call of the small kernels.
-const PIVOT_BLOCK: usize = 32;
+const PIVOT_BLOCK: usize = 24;
 /// Largest extent of a tile of a matrix product.
-const TILE: usize = 512;
+const TILE: usize = 384;
 /// Largest extent of a diagonal tile that is computed in full although only its lower half is wanted.
 const DIAGONAL_TILE: usize = 64;
 /// Row tiles of the triangular solve.
-const SOLVE_TILE: usize = 512;
+const SOLVE_TILE: usize = 384;
 
 /// Who computes the tiles of one front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

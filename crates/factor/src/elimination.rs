@@ -205,8 +205,9 @@ mod tests {
         ];
         for pattern in &patterns {
             for ordering in [Ordering::Natural, Ordering::Amd, Ordering::NestedDissection] {
-                let order = order_nodes(pattern, ordering)?;
-                let tree = EliminationTree::new(&pattern.adjacency()?, &order);
+                let graph = pattern.adjacency()?;
+                let order = order_nodes(pattern, &graph, ordering)?;
+                let tree = EliminationTree::new(&graph, &order);
                 let (parent, counts) = brute_force(pattern, &tree);
                 assert_eq!(tree.parent, parent);
                 assert_eq!(tree.counts, counts);

@@ -35,9 +35,10 @@ impl<const B: usize> FaerSymbolic<B> {
     /// Orders the node graph and computes the pattern of the factor.
     ///
     /// # Errors
-    /// [`FactorError::TooLarge`] or [`FactorError::Analysis`].
-    pub fn analyze(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError> {
-        let order = order_nodes(pattern, ordering)?;
+    /// [`FactorError::TooLarge`], [`FactorError::Analysis`], or [`FactorError::Length`] if positions are given for the
+    /// wrong number of nodes.
+    pub fn analyze(pattern: &BlockPattern, ordering: Ordering<'_>) -> Result<Self, FactorError> {
+        let order = order_nodes(pattern, &pattern.adjacency()?, ordering)?;
         let num_nodes = pattern.num_nodes();
         let n = num_nodes * B;
 

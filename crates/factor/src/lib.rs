@@ -34,6 +34,7 @@ mod elimination;
 mod error;
 pub mod faer_backend;
 mod front;
+mod geometric;
 mod numeric;
 mod ordering;
 mod outcome;

@@ -4,16 +4,21 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use crate::error::FactorError;
-use crate::pattern::BlockPattern;
+use crate::error::{FactorError, check_length};
+use crate::geometric::geometric_dissection;
+use crate::pattern::{Adjacency, BlockPattern};
 
 /// How the nodes are renumbered before elimination.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Ordering {
-    /// Multilevel nested dissection (Karypis & Kumar 1998): the least fill on three-dimensional meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Ordering<'a> {
+    /// Multilevel nested dissection (Karypis & Kumar 1998): little fill on any three-dimensional mesh.
     #[default]
     NestedDissection,
-    /// Approximate minimum degree (Amestoy, Davis & Duff 1996): quicker to compute, 2–4 times the work on large
+    /// Nested dissection by planes through the given node positions: on meshes whose layers follow the coordinate
+    /// axes, 8 times quicker to compute and 7–25 % less work than [`Ordering::NestedDissection`]; on bent or skewed
+    /// meshes up to twice the work. Pass positions in which the mesh is straight (reference or lattice coordinates).
+    Geometric(&'a [[f64; 3]]),
+    /// Approximate minimum degree (Amestoy, Davis & Duff 1996): quicker to compute, 2–5 times the work on large
     /// three-dimensional meshes.
     Amd,
     /// The caller's numbering.
@@ -21,17 +26,25 @@ pub enum Ordering {
 }
 
 /// Elimination order of the nodes: `order[k]` is the caller's node eliminated in step `k`.
-pub(crate) fn order_nodes(pattern: &BlockPattern, ordering: Ordering) -> Result<Vec<u32>, FactorError> {
+pub(crate) fn order_nodes(
+    pattern: &BlockPattern,
+    graph: &Adjacency,
+    ordering: Ordering<'_>,
+) -> Result<Vec<u32>, FactorError> {
     let n = pattern.num_nodes();
     match ordering {
         _ if n == 0 => Ok(Vec::new()),
         Ordering::Natural => Ok((0..n as u32).collect()),
         Ordering::Amd => minimum_degree(pattern),
-        Ordering::NestedDissection => nested_dissection(pattern),
+        Ordering::NestedDissection => nested_dissection(graph, n),
+        Ordering::Geometric(positions) => {
+            check_length("positions", n, positions.len())?;
+            geometric_dissection(graph, positions)
+        }
     }
 }
 
-fn minimum_degree(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
+pub(crate) fn minimum_degree(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
     let n = pattern.num_nodes();
     let offsets: Vec<usize> = pattern.column_offsets().to_vec();
     let rows: Vec<usize> = (0..n).flat_map(|j| pattern.column(j).iter().map(|&i| i as usize)).collect();
@@ -44,10 +57,9 @@ fn minimum_degree(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
     Ok(order.into_iter().map(|node| node as u32).collect())
 }
 
-fn nested_dissection(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
-    let adjacency = pattern.adjacency()?;
-    let (offsets, neighbours) = adjacency.as_parts();
-    let graph = feral_metis::CscPattern::new(pattern.num_nodes(), offsets, neighbours)
+fn nested_dissection(graph: &Adjacency, num_nodes: usize) -> Result<Vec<u32>, FactorError> {
+    let (offsets, neighbours) = graph.as_parts();
+    let graph = feral_metis::CscPattern::new(num_nodes, offsets, neighbours)
         .ok_or_else(|| FactorError::Analysis("malformed node graph".into()))?;
     let order = feral_metis::metis_order(&graph).map_err(|error| FactorError::Analysis(error.to_string()))?;
     Ok(order.into_iter().map(|node| node as u32).collect())

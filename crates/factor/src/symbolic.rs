@@ -103,10 +103,11 @@ impl<const B: usize> Symbolic<B> {
     /// Orders the node graph and plans the factorisation.
     ///
     /// # Errors
-    /// [`FactorError::TooLarge`] or [`FactorError::Analysis`].
-    pub fn analyze(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError> {
-        let order = order_nodes(pattern, ordering)?;
+    /// [`FactorError::TooLarge`], [`FactorError::Analysis`], or [`FactorError::Length`] if positions are given for the
+    /// wrong number of nodes.
+    pub fn analyze(pattern: &BlockPattern, ordering: Ordering<'_>) -> Result<Self, FactorError> {
         let graph = pattern.adjacency()?;
+        let order = order_nodes(pattern, &graph, ordering)?;
         let elimination = EliminationTree::new(&graph, &order);
         let tree = AssemblyTree::new(&graph, &elimination, B);
         let (child_offsets, children) = children(&tree);
