@@ -8,17 +8,20 @@ use pneuflex_factor::{BlockPattern, Factor, FactorError, Inertia, Method, Orderi
 
 type TestResult = Result<(), FactorError>;
 
-const ORDERINGS: [Ordering; 3] = [Ordering::NestedDissection, Ordering::Amd, Ordering::Natural];
+/// All orderings; `positions` for the geometric one.
+fn orderings(positions: &[[f64; 3]]) -> [Ordering<'_>; 4] {
+    [Ordering::NestedDissection, Ordering::Geometric(positions), Ordering::Amd, Ordering::Natural]
+}
 
 /// What the suite needs of a factorisation.
 trait Backend: Sized {
-    fn prepare(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError>;
+    fn prepare(pattern: &BlockPattern, ordering: Ordering<'_>) -> Result<Self, FactorError>;
     fn factorize(&mut self, values: &[f64], held: &[bool], parallelism: Parallelism) -> Result<Inertia, FactorError>;
     fn solve(&self, rhs: &mut [f64], nrhs: usize) -> TestResult;
 }
 
 impl<const B: usize> Backend for FaerFactor<B> {
-    fn prepare(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError> {
+    fn prepare(pattern: &BlockPattern, ordering: Ordering<'_>) -> Result<Self, FactorError> {
         Ok(Self::new(Arc::new(FaerSymbolic::analyze(pattern, ordering)?)))
     }
     fn factorize(&mut self, values: &[f64], held: &[bool], parallelism: Parallelism) -> Result<Inertia, FactorError> {
@@ -30,7 +33,7 @@ impl<const B: usize> Backend for FaerFactor<B> {
 }
 
 impl<const B: usize> Backend for Factor<B> {
-    fn prepare(pattern: &BlockPattern, ordering: Ordering) -> Result<Self, FactorError> {
+    fn prepare(pattern: &BlockPattern, ordering: Ordering<'_>) -> Result<Self, FactorError> {
         Ok(Self::new(Arc::new(Symbolic::analyze(pattern, ordering)?)))
     }
     fn factorize(&mut self, values: &[f64], held: &[bool], parallelism: Parallelism) -> Result<Inertia, FactorError> {
@@ -77,7 +80,7 @@ fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
 fn check_residual<const B: usize, F: Backend>(
     matrix: &BlockMatrix,
     held: &[bool],
-    ordering: Ordering,
+    ordering: Ordering<'_>,
     parallelism: Parallelism,
 ) -> Result<Inertia, FactorError> {
     let n = B * matrix.pattern.num_nodes();
@@ -111,7 +114,7 @@ fn positive_definite_matrices<const B: usize, F: Backend>() -> TestResult {
         let free = vec![false; n];
         let some_held: Vec<bool> = random_vector(n, 3).iter().map(|&v| v > 0.6).collect();
         let all_held = vec![true; n];
-        for ordering in ORDERINGS {
+        for ordering in orderings(&matrix.positions) {
             for parallelism in [Parallelism::Serial, Parallelism::Threads] {
                 for held in [&free, &some_held, &all_held] {
                     let inertia = check_residual::<B, F>(matrix, held, ordering, parallelism)?;
@@ -135,7 +138,7 @@ fn indefinite_matrices<const B: usize, F: Backend>() -> TestResult {
         matrix.values[block + c * B + c] *= -1.0;
         negated += 1;
     }
-    for ordering in ORDERINGS {
+    for ordering in orderings(&matrix.positions) {
         for parallelism in [Parallelism::Serial, Parallelism::Threads] {
             let inertia = check_residual::<B, F>(&matrix, &vec![false; n], ordering, parallelism)?;
             assert_eq!(inertia, Inertia { negative: negated, method: Method::Ldl });
@@ -213,6 +216,8 @@ fn singular_node_is_named<F: Backend>() -> TestResult {
 fn wrong_lengths_are_errors<F: Backend>() -> TestResult {
     let matrix = solid_lattice::<3>([2, 2, 2], Cell::Hex8);
     let n = 3 * matrix.pattern.num_nodes();
+    let positions = &matrix.positions[1..];
+    assert!(matches!(F::prepare(&matrix.pattern, Ordering::Geometric(positions)), Err(FactorError::Length { .. })));
     let mut factor = F::prepare(&matrix.pattern, Ordering::Amd)?;
     let held = vec![false; n];
     for (values, held) in [(&matrix.values[1..], &held[..]), (&matrix.values[..], &held[1..])] {
@@ -232,7 +237,7 @@ fn empty_and_disconnected_graphs<F: Backend>() -> TestResult {
     let pattern = BlockPattern::from_cliques(9, [[1u32, 4], [7, 4]].iter().map(|c| c.as_slice()));
     let matrix =
         BlockMatrix { values: positive_definite_values::<3>(&pattern, 0.1, 2), positions: vec![[0.0; 3]; 9], pattern };
-    for ordering in ORDERINGS {
+    for ordering in orderings(&matrix.positions) {
         check_residual::<3, F>(&matrix, &[false; 27], ordering, Parallelism::Threads)?;
     }
     Ok(())
