@@ -43,7 +43,7 @@ pub struct RunArguments {
     /// The case.
     #[command(flatten)]
     pub case: CaseArguments,
-    /// Output folder [default: out/<name of the case file>]. Results of an earlier run in it are replaced; a folder
+    /// Output folder [default: out/NAME for the case file NAME.toml]. Results of an earlier run in it are replaced; a folder
     /// that holds anything else is left alone
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

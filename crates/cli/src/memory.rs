@@ -47,6 +47,9 @@ impl Estimate {
     /// # Errors
     /// The estimate and the memory available.
     pub fn guard(&self, force: bool) -> Result<Option<String>, InputError> {
+        if self.elements < 1.0 {
+            return Err(InputError::new("the lengths of [actuator] differ too much to be meshed together"));
+        }
         let Some(available) = available() else { return Ok(None) };
         let text = format!(
             "{} elements and {} unknowns need about {}, {} are available",

@@ -111,6 +111,7 @@ fn mesh_size_zero() {
 fn a_mesh_that_will_not_fit_in_memory() {
     let words = ["will not fit in memory", "elements", "unknowns", "GiB", "mesh.size", "--force"];
     refused("huge", replace("size = 1.0", "size = 0.02"), &[], &words);
+    refused("wide", replace("width = 20.0", "width = 1e200"), &[], &["[actuator] differ too much"]);
     refused("absurd", replace("size = 1.0", "size = 1e-300"), &[], &words);
 }
 
