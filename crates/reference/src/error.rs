@@ -1,3 +1,5 @@
+//! Errors of the reference solver.
+
 use pneuflex_mesh::ElementKind;
 use pneuflex_model::Formulation;
 
