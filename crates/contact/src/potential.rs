@@ -11,10 +11,10 @@
 //! (Laursen 2002, *Computational Contact and Impact Mechanics*, ch. 5, rearranged). For centre-to-centre contact
 //! (single-point) the foot is fixed and only the normal turns; its derivatives are in [`fixed_point`].
 
-use pneuflex_mesh::shape;
+use pneuflex_mesh::shape::{self, FaceShape};
 use pneuflex_model::ContactMethod;
 
-use crate::projection::{cross, dot, face_geometry, sub, unit_normal};
+use crate::projection::{FaceGeometry, cross, dot, face_geometry, sub, unit_normal};
 use crate::search::{ContactBlock, ContactModel, ContactPoint};
 
 /// Largest number of nodes of a contact block: two nine-node faces.
@@ -104,6 +104,41 @@ pub fn predicted_tractions(
     block.points.iter().map(predict).collect()
 }
 
+/// A slave point and its partner on the master, with all that the distance depends on.
+struct Pairing {
+    /// Nodes per face.
+    n: usize,
+    /// Coefficients with which the block's nodes enter r_s − r_m: N on the slave, −N on the master.
+    coefficients: [f64; MAX_NODES],
+    /// Shape functions of the master face at the partner.
+    shape: FaceShape,
+    /// The master face at the partner.
+    master: FaceGeometry,
+    /// r_s − r_m.
+    gap: [f64; 3],
+    /// Unit normal of the master face and the length of r_ξ × r_η.
+    normal: [f64; 3],
+    length: f64,
+}
+
+impl Pairing {
+    fn new(model: &ContactModel, block: &ContactBlock, point: &ContactPoint, positions: &[[f64; 3]]) -> Self {
+        let (slave, master) = model.surfaces(block.pair);
+        let (kind, n) = (slave.kind, slave.kind.num_nodes());
+        let slave_shape = shape::evaluate_face(kind, point.slave_xi);
+        let shape = shape::evaluate_face(kind, point.master_xi);
+        let slave_point = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &slave_shape).position;
+        let master = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape);
+        let mut coefficients = [0.0; MAX_NODES];
+        for i in 0..n {
+            coefficients[i] = slave_shape.values[i];
+            coefficients[n + i] = -shape.values[i];
+        }
+        let (normal, length) = unit_normal(&master.tangents);
+        Self { n, coefficients, shape, gap: sub(slave_point, master.position), master, normal, length }
+    }
+}
+
 fn distance_derivatives(
     model: &ContactModel,
     block: &ContactBlock,
@@ -111,38 +146,18 @@ fn distance_derivatives(
     positions: &[[f64; 3]],
     out: &mut DistanceDerivatives,
 ) {
+    let pairing = Pairing::new(model, block, point, positions);
     match model.method {
-        ContactMethod::SinglePoint => fixed_point(model, block, point.slave_xi, point.master_xi, positions, out),
-        _ => sliding_point(model, block, point.slave_xi, point.master_xi, positions, out),
+        ContactMethod::SinglePoint => fixed_point(&pairing, out),
+        _ => sliding_point(&pairing, out),
     }
 }
 
-/// Coefficients with which the block's nodes enter r_s − r_m: N on the slave, −N on the master.
-fn gap_coefficients(slave: &shape::FaceShape, master: &shape::FaceShape, n: usize) -> [f64; MAX_NODES] {
-    let mut coefficients = [0.0; MAX_NODES];
-    for i in 0..n {
-        coefficients[i] = slave.values[i];
-        coefficients[n + i] = -master.values[i];
-    }
-    coefficients
-}
-
-fn sliding_point(
-    model: &ContactModel,
-    block: &ContactBlock,
-    slave_xi: [f64; 2],
-    master_xi: [f64; 2],
-    positions: &[[f64; 3]],
-    out: &mut DistanceDerivatives,
-) {
-    let (slave, master) = model.surfaces(block.pair);
-    let (kind, n) = (slave.kind, slave.kind.num_nodes());
-    let (shape_s, shape_m) = (shape::evaluate_face(kind, slave_xi), shape::evaluate_face(kind, master_xi));
-    let s = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape_s);
-    let m = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape_m);
-    let (normal, _) = unit_normal(&m.tangents);
-    let d = dot(sub(s.position, m.position), normal);
-    let coefficients = gap_coefficients(&shape_s, &shape_m, n);
+/// Derivatives of d = (r_s − r_m)·n for a partner that stays the closest point.
+fn sliding_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
+    let Pairing { n, coefficients, shape: shape_m, master: m, gap, normal, .. } = pairing;
+    let (n, normal) = (*n, *normal);
+    let d = dot(*gap, normal);
     out.distance = d;
     for (i, c) in coefficients[..2 * n].iter().enumerate() {
         for k in 0..3 {
@@ -193,25 +208,12 @@ fn sliding_point(
 }
 
 /// Derivatives of d = (r_s − r_m)·n at fixed reference points, n = c/‖c‖, c = r_ξ × r_η of the master face.
-fn fixed_point(
-    model: &ContactModel,
-    block: &ContactBlock,
-    slave_xi: [f64; 2],
-    master_xi: [f64; 2],
-    positions: &[[f64; 3]],
-    out: &mut DistanceDerivatives,
-) {
-    let (slave, master) = model.surfaces(block.pair);
-    let (kind, n) = (slave.kind, slave.kind.num_nodes());
-    let (shape_s, shape_m) = (shape::evaluate_face(kind, slave_xi), shape::evaluate_face(kind, master_xi));
-    let s = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape_s);
-    let m = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape_m);
-    let (normal, length) = unit_normal(&m.tangents);
-    let gap = sub(s.position, m.position);
-    let d = dot(gap, normal);
+fn fixed_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
+    let Pairing { n, coefficients, shape: shape_m, master: m, gap, normal, length } = pairing;
+    let (n, normal, length) = (*n, *normal, *length);
+    let d = dot(*gap, normal);
     // Part of the gap in the tangent plane.
     let tangential: [f64; 3] = std::array::from_fn(|k| gap[k] - d * normal[k]);
-    let coefficients = gap_coefficients(&shape_s, &shape_m, n);
     let dofs = 6 * n;
 
     // Per degree of freedom: change of the gap, and of c; axis vectors make both sparse.
