@@ -72,10 +72,11 @@ impl Progress {
         }
     }
 
-    /// An iteration is done.
+    /// An iteration is done; "again" is one more correction with the factor of the same iteration.
     pub fn iteration(&self, record: &IterationRecord) {
+        let again = if record.new_tangent { "" } else { " again" };
         let text = format!(
-            "iteration {}: correction {:.2e}, residual {:.2e} N, {} contact points",
+            "iteration {}{again}: correction {:.2e}, residual {:.2e} N, {} contact points",
             record.iteration, record.correction, record.residual, record.contact_points
         );
         match &self.output {
@@ -94,9 +95,10 @@ impl Progress {
     }
 
     /// A requested pressure is reached.
-    pub fn landed(&self, summary: &StepSummary) {
+    pub fn landed(&mut self, summary: &StepSummary) {
         let StepSummary { pressure_kpa, iterations, contact, .. } = summary;
-        let left = self.time_left_after(*pressure_kpa).map(|t| format!(", {t} left")).unwrap_or_default();
+        self.last_kpa = *pressure_kpa;
+        let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
         self.line(&format!(
             "{pressure_kpa} kPa reached in {iterations} iterations: end face turned by {:.2} deg, {} contact points, \
              penetration {:.4} mm{left}",
@@ -114,12 +116,9 @@ impl Progress {
         }
     }
 
-    fn time_left(&self) -> Option<String> {
-        self.time_left_after(self.last_kpa)
-    }
-
     /// Time left if every kPa takes as long as those so far.
-    fn time_left_after(&self, kpa: f64) -> Option<String> {
+    fn time_left(&self) -> Option<String> {
+        let kpa = self.last_kpa;
         let left = self.began.elapsed().as_secs_f64() * (self.final_kpa - kpa) / kpa;
         (kpa > 0.0 && kpa < self.final_kpa).then(|| duration(left))
     }

@@ -71,7 +71,7 @@ pub struct Recorder<'a> {
     summary: Summary,
     series: Vec<SeriesEntry>,
     began: Instant,
-    /// Iterations since the last landing.
+    /// Iterations reported since the last landing.
     open_iterations: usize,
     /// First thing that went wrong; nothing is recorded after it.
     error: Option<String>,
@@ -122,8 +122,10 @@ impl<'a> Recorder<'a> {
 
     /// Records an iteration.
     pub fn iteration(&mut self, record: &IterationRecord) {
-        self.summary.iterations_total += 1;
-        self.open_iterations += 1;
+        // A correction with the factor of the one before is no iteration of its own.
+        let is_new = usize::from(record.new_tangent);
+        self.summary.iterations_total += is_new;
+        self.open_iterations += is_new;
         let written = json::line(record)
             .and_then(|line| self.history.write_all(line.as_bytes()).map_err(|e| format!("history.jsonl: {e}")));
         self.keep(written);
@@ -183,7 +185,7 @@ impl<'a> Recorder<'a> {
             Err((failure, report)) => (report, Some(failure)),
         };
         self.summary.timing.path = report.timing;
-        self.summary.iterations_total = report.iterations.max(self.summary.iterations_total);
+        self.summary.iterations_total = report.iterations;
         let reached = self.summary.steps.len();
         let missed = self.case.load.pressure_kpa.get(reached).copied();
         self.summary.failure = match (failure, &self.error, missed) {
