@@ -359,7 +359,11 @@ impl Case {
         }
         for (i, probe) in self.probes.iter().enumerate() {
             if probe.name.is_empty() || self.probes[..i].iter().any(|other| other.name == probe.name) {
-                return fail(&format!("probe[{i}].name"), &probe.name, "must be non-empty and different for every probe");
+                return fail(
+                    &format!("probe[{i}].name"),
+                    &probe.name,
+                    "must be non-empty and different for every probe",
+                );
             }
             if !probe.at.iter().all(|x| x.is_finite()) {
                 return fail(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
