@@ -25,6 +25,12 @@ const LOOSE: f64 = 0.1;
 /// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
 const STALE_BELOW: f64 = 0.05;
 
+/// Corrections in a row with the same old factor, at the most.
+const MOST_STALE: usize = 8;
+
+/// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
+const RESIDUAL_FLOOR: f64 = 1e-9;
+
 /// A correction with an old factor that is not smaller than this share of the one before is thrown away.
 const STALE_CONTRACTION: f64 = 0.5;
 
@@ -253,13 +259,15 @@ impl<'a> Path<'a> {
         let (mut least, mut most) = (usize::MAX, 0);
         let mut last = Correction::default();
         let mut negative_pivots = 0;
-        let mut iteration = 0;
+        let (mut iteration, mut stale) = (0, 0);
         while iteration < self.settings.max_iterations {
             // An old factor serves as long as it contracts well; a new one is an iteration.
-            let is_stale = iteration > 0 && last.largest < STALE_BELOW && last.goes_on;
+            let is_stale = iteration > 0 && last.largest < STALE_BELOW && last.goes_on && stale < MOST_STALE;
             if is_stale {
+                stale += 1;
                 self.system.assemble(&u, pressure, Request::Residual)?;
             } else {
+                stale = 0;
                 iteration += 1;
                 self.iterations += 1;
                 self.system.assemble(&u, pressure, Request::Tangent)?;
@@ -315,7 +323,7 @@ impl<'a> Path<'a> {
             if last.norm < self.settings.tolerance {
                 self.system.assemble(&u, pressure, Request::Residual)?;
                 let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
-                if residual <= self.settings.residual_tolerance * load {
+                if residual <= (self.settings.residual_tolerance * load).max(RESIDUAL_FLOOR) {
                     if negative_pivots > 0 {
                         return Err(Cause::IndefiniteTangent { negative_pivots });
                     }
