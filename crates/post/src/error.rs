@@ -29,6 +29,12 @@ pub enum PostError {
         /// det F.
         jacobian: f64,
     },
+    /// A picture that cannot be drawn.
+    #[error("cannot draw {what}")]
+    NotDrawable {
+        /// What, and why not.
+        what: String,
+    },
 }
 
 /// Checks that `values` has `expected` entries, all finite.

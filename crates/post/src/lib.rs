@@ -9,14 +9,18 @@
 //! * [`contact`]: what the contact's own points carry.
 //! * [`fields`], [`vtu`]: VTK XML files.
 //! * [`summary`]: all of it for one landed pressure, as `summary.json` has it.
+//! * [`picture`], [`chart`]: pictures of deformed bodies and line charts, as [`drawing`]s in SVG and PNG.
 //!
 //! Units: mm, N, MPa, mJ; displacements and reactions are lists with three entries per node. Faces are quadrilaterals.
 
+pub mod chart;
 pub mod contact;
+pub mod drawing;
 mod error;
 pub mod fields;
 pub mod measures;
 pub mod penetration;
+pub mod picture;
 mod search;
 pub mod stress;
 pub mod summary;

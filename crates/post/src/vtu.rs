@@ -154,12 +154,12 @@ fn array(text: &mut String, kind: &str, name: &str, attributes: &str, data: Vec<
     *text += "\n</DataArray>\n";
 }
 
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Appends the base64 text (RFC 4648, padded) of `data`.
-fn base64(data: &[u8], text: &mut String) {
+pub(crate) fn base64(data: &[u8], text: &mut String) {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     text.reserve(data.len().div_ceil(3) * 4);
     for chunk in data.chunks(3) {

@@ -1,0 +1,184 @@
+//! The boundary of a deformed body as small plane pieces with what is needed to colour them.
+
+use std::collections::BTreeMap;
+
+use pneuflex_mesh::{FaceKind, shape};
+use pneuflex_model::Problem;
+
+use crate::surface::{Bounds, Patch};
+use crate::vector::{Vec3, cross, dot, norm, sub};
+
+use super::view::unit;
+
+/// A corner of the pieces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    /// Deformed position, mm.
+    pub position: Vec3,
+    /// Outward unit normal.
+    pub normal: Vec3,
+    /// Reference coordinates on the face.
+    pub xi: [f64; 2],
+    /// Interpolated field; 0 without one.
+    pub value: f64,
+}
+
+/// A face of the boundary.
+#[derive(Clone, Debug)]
+pub(crate) struct Face {
+    /// Corners of the pieces, `pieces + 1` along each direction, ξ running fastest.
+    pub vertices: Vec<Vertex>,
+    /// Pieces along each direction.
+    pub pieces: usize,
+    /// Whether the body has an edge of its own at η = −1, ξ = 1, η = 1, ξ = −1; otherwise it goes on smoothly.
+    pub is_edge: [bool; 4],
+}
+
+/// The boundary of a deformed body.
+#[derive(Clone, Debug)]
+pub(crate) struct Skin {
+    /// Faces.
+    pub faces: Vec<Face>,
+    /// A box around them.
+    pub bounds: Bounds,
+}
+
+/// Faces that meet at more than this angle at rest have an edge of the body between them, degrees.
+const CREASE_DEG: f64 = 20.0;
+
+impl Skin {
+    /// The boundary of a body; with `mirrored`, of a half model together with its other half.
+    ///
+    /// `values` is a nodal field. Lengths are taken for granted.
+    pub fn new(problem: &Problem, displacement: &[f64], values: Option<&[f64]>, mirrored: bool) -> Self {
+        let mesh = &problem.mesh;
+        let nodes = mesh.num_nodes() as u32;
+        let on_plane: Vec<bool> = mesh.nodes.iter().map(|x| mirrored && x[1].abs() < 1e-9).collect();
+        let pieces = if mesh.face_kind() == FaceKind::Quad4 { 3 } else { 6 };
+        let table: Vec<([f64; 2], _)> = (0..=pieces)
+            .flat_map(|j| (0..=pieces).map(move |i| [i, j].map(|k| 2.0 * k as f64 / pieces as f64 - 1.0)))
+            .map(|xi| (xi, shape::evaluate_face(mesh.face_kind(), xi)))
+            .collect();
+        let mut faces = Vec::new();
+        let mut edges: BTreeMap<[u32; 2], Vec<(usize, usize, Vec3)>> = BTreeMap::new();
+        for facet in mesh.boundary_facets() {
+            let numbers = mesh.facet_nodes(facet);
+            if numbers.iter().all(|&n| on_plane[n as usize]) {
+                continue;
+            }
+            let patch = Patch::new(mesh, facet, Some(displacement));
+            let rest = unit(Patch::new(mesh, facet, None).at([0.0; 2]).area_vector);
+            for half in 0..if mirrored { 2 } else { 1 } {
+                let side = if half == 0 { 1.0 } else { -1.0 };
+                let turned = |[x, y, z]: Vec3| [x, side * y, z];
+                let vertices = table
+                    .iter()
+                    .map(|(xi, shape)| {
+                        let point = patch.at(*xi);
+                        let value = values.map_or(0.0, |v| {
+                            numbers.iter().zip(shape.values.iter()).map(|(&n, s)| s * v[n as usize]).sum()
+                        });
+                        let normal = turned(unit(point.area_vector));
+                        Vertex { position: turned(point.position), normal, xi: *xi, value }
+                    })
+                    .collect();
+                let corner = |i: usize| {
+                    let n = numbers[i % 4];
+                    if half == 1 && !on_plane[n as usize] { n + nodes } else { n }
+                };
+                for edge in 0..4 {
+                    let mut key = [corner(edge), corner(edge + 1)];
+                    key.sort_unstable();
+                    edges.entry(key).or_default().push((faces.len(), edge, turned(rest)));
+                }
+                faces.push(Face { vertices, pieces, is_edge: [false; 4] });
+            }
+        }
+        let limit = CREASE_DEG.to_radians().cos();
+        for sharing in edges.values() {
+            let is_smooth = sharing.len() == 2 && dot(sharing[0].2, sharing[1].2) > limit;
+            for &(face, edge, _) in sharing {
+                faces[face].is_edge[edge] = !is_smooth;
+            }
+        }
+        let bounds = faces
+            .iter()
+            .flat_map(|f: &Face| &f.vertices)
+            .fold(Bounds::EMPTY, |b, v| b.join(&Bounds { low: v.position, high: v.position }));
+        Self { faces, bounds }
+    }
+
+    /// A typical length of the faces' sides, mm.
+    pub fn face_size(&self) -> f64 {
+        let side = |f: &Face| norm(sub(f.vertices[f.pieces].position, f.vertices[0].position));
+        self.faces.iter().map(side).sum::<f64>() / self.faces.len().max(1) as f64
+    }
+}
+
+impl Face {
+    /// The pieces as triangles of vertex numbers, turned like the face.
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let n = self.pieces;
+        (0..n).flat_map(move |j| (0..n).map(move |i| j * (n + 1) + i)).flat_map(move |a| {
+            let [b, c, d] = [a + 1, a + n + 2, a + n + 1];
+            // The shorter diagonal, for the better shape.
+            let length = |p: usize, q: usize| {
+                let r = sub(self.vertices[p].position, self.vertices[q].position);
+                dot(r, r)
+            };
+            if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        })
+    }
+}
+
+/// Unit normal of a triangle, outwards.
+pub(crate) fn triangle_normal(corners: [Vec3; 3]) -> Vec3 {
+    unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::two_chambers;
+
+    /// ⅓ ∮ r·n dS over the triangles of the skin.
+    fn volume(skin: &Skin) -> f64 {
+        let triangle = |face: &Face, t: [usize; 3]| {
+            let [a, b, c] = t.map(|i| face.vertices[i].position);
+            dot(a, cross(b, c)) / 6.0
+        };
+        skin.faces.iter().map(|f| f.triangles().map(|t| triangle(f, t)).sum::<f64>()).sum()
+    }
+
+    #[test]
+    fn the_skin_is_closed_and_looks_outwards() {
+        let problem = two_chambers(2.0);
+        let zero = vec![0.0; problem.num_dofs()];
+        assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_other_half_has_no_wall_between() {
+        let problem = two_chambers(2.0);
+        let zero = vec![0.0; problem.num_dofs()];
+        let whole = Skin::new(&problem, &zero, None, true);
+        // Mirrored faces are turned the wrong way round as lists of corners: count the volume by side.
+        let (one, other): (Vec<&Face>, Vec<&Face>) =
+            whole.faces.iter().partition(|f| f.vertices.iter().map(|v| v.position[1]).sum::<f64>() > 0.0);
+        assert_eq!(one.len(), other.len());
+        assert_eq!((whole.bounds.low[1], whole.bounds.high[1]), (-10.0, 10.0));
+        let in_plane = |f: &Face| f.vertices.iter().all(|v| v.position[1].abs() < 1e-9);
+        assert!(!whole.faces.iter().any(in_plane));
+        // The bottom goes on smoothly through the symmetry plane.
+        let bottom = whole.faces.iter().find(|f| {
+            f.vertices.iter().all(|v| v.position[2].abs() < 1e-9 && v.position[1] <= 2.0 && v.position[1] >= 0.0)
+        });
+        let face = bottom.unwrap();
+        let at_plane = (0..4).find(|&e| {
+            let n = face.pieces;
+            let corners = [0, n, (n + 1) * (n + 1) - 1, n * (n + 1)];
+            [corners[e], corners[(e + 1) % 4]].iter().all(|&v| face.vertices[v].position[1].abs() < 1e-9)
+        });
+        assert!(!face.is_edge[at_plane.unwrap()]);
+    }
+}
