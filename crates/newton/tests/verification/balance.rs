@@ -167,3 +167,20 @@ fn a_path_without_an_end_fails_and_keeps_what_it_reached() {
     let expected = follow(&problem, &[5.0, 35.0], &settings);
     assert_eq!(landed, expected);
 }
+
+/// Rounding keeps the residual of a nearly rigid bulk above the tolerance asked for: a failure, not an endless iteration.
+#[test]
+fn a_residual_out_of_reach_is_a_failure() {
+    let mut problem = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::None);
+    problem.material.bulk_modulus = 1e8;
+    let settings = Solver { residual_tolerance: 1e-30, min_step_kpa: 1.0, ..Solver::default() };
+    let mut iterations = 0;
+    let result = follow_path(&problem, &[5.0], &settings, &mut |event| {
+        if let Event::Iteration(_) = event {
+            iterations += 1;
+            assert!(iterations < 2000, "the iteration has no end");
+        }
+    });
+    let (failure, _) = result.unwrap_err();
+    assert!(failure.reached_kpa < 5.0 && iterations > 25, "{failure}, {iterations} iterations");
+}

@@ -11,8 +11,7 @@ use crate::fixtures::{FORMULATIONS, INVARIANTS, body, displacement, follow, hold
 /// Equilibria under displacements of the supports, one after the other.
 #[track_caller]
 fn impose(problem: &Problem, stages: impl IntoIterator<Item = Vec<[f64; 3]>>) -> Vec<LandedState> {
-    // Without pressure there is no load to measure the residual by.
-    let settings = Solver { residual_tolerance: f64::INFINITY, ..strict() };
+    let settings = strict();
     let mut observer = |_: pneuflex_newton::Event<'_>| ();
     let mut path = Path::new(problem, &settings, &mut observer).unwrap();
     stages.into_iter().map(|stage| path.impose(&stage).unwrap_or_else(|cause| panic!("{cause}"))).collect()
