@@ -1,4 +1,5 @@
 //! Every contribution: residual against the energy, tangent against the residual, in a deformed state.
+#![allow(clippy::unwrap_used)]
 
 use pneuflex_assembly::{Assembler, LocalContribution, Pressure, Request, Solid, Totals};
 use pneuflex_factor::multiply;

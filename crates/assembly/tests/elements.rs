@@ -1,4 +1,5 @@
 //! Patch tests and rigid motions of every element formulation.
+#![allow(clippy::unwrap_used)]
 
 use pneuflex_assembly::{Assembler, LocalContribution, Request, Solid, Totals};
 use pneuflex_mesh::Mesh;

@@ -1,4 +1,5 @@
 //! Force and tangent of touching faces against finite differences of the energy, in a state that touches.
+#![allow(clippy::unwrap_used)]
 
 use pneuflex_contact::{ContactModel, evaluate_block};
 use pneuflex_mesh::lattice::Lattice;
