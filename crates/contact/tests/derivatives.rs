@@ -149,8 +149,8 @@ fn the_search_finds_the_same_points_as_brute_force() {
                 b.points.iter().map(|p| (b.slave_face, b.master_face, p.slave_xi.map(f64::to_bits), p.distance))
             })
             .collect();
-        expected.sort_by(|a, b| (a.0, a.2, a.1).cmp(&(b.0, b.2, b.1)));
-        found.sort_by(|a, b| (a.0, a.2, a.1).cmp(&(b.0, b.2, b.1)));
+        expected.sort_by_key(|a| (a.0, a.2, a.1));
+        found.sort_by_key(|a| (a.0, a.2, a.1));
         assert!(found.len() > 10);
         assert_eq!(found, expected, "{kind:?}");
     }
