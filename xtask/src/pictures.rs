@@ -43,7 +43,7 @@ fn draw(case: &Path, picture: &Path) -> Result<(), Box<dyn Error>> {
     let body = Body { field: Some(&von_mises), ..Body::plain(&problem, &displacement) };
     let figure = Figure {
         caption: format!(
-            "{}, {} mm elements ({}), multiple-point contact. The colours end at the stress that 99 % of the volume stays below.",
+            "{}; {} mm elements ({}). The colours end at the stress that 99 % of the volume stays below.",
             case.title,
             case.mesh.size.per_axis()[0],
             case.mesh.element
