@@ -12,7 +12,7 @@
 //!
 //! * [`law`]: moment and curvature.
 //! * [`elastica`]: the boundary-value problem.
-//! * [`identify`]: the parameters from samples of a three-dimensional model.
+//! * [`mod@identify`]: the parameters from samples of a three-dimensional model.
 //!
 //! This crate knows nothing of that model, of meshes or of files: samples come from the caller. Units: mm, N, kPa for
 //! pressures; curvatures 1/mm, bending stiffnesses N·mm².
