@@ -9,7 +9,7 @@
 //! ```
 //!
 //! (Laursen 2002, *Computational Contact and Impact Mechanics*, ch. 5, rearranged). For centre-to-centre contact
-//! (single-point) the foot is fixed and only the normal turns; its derivatives are in [`fixed_point`].
+//! (single-point) the foot is fixed and only the normal turns; its derivatives are in `fixed_point`.
 
 use pneuflex_mesh::shape::{self, FaceShape};
 use pneuflex_model::ContactMethod;
