@@ -4,13 +4,15 @@
 //! pool the tiles run side by side, yet each number is computed by the same operations in the same order, so results
 //! do not depend on the number of threads.
 
+use std::cell::RefCell;
+
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::{self as ldlt, LdltError, LdltRegularization};
 use faer::linalg::cholesky::llt::factor::{self as llt, LltError, LltRegularization};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, MatMut, MatRef, Par, unzip, zip};
 
 use crate::outcome::Method;
 
@@ -79,18 +81,16 @@ pub(crate) fn factor_panel(
     let (_, mut right) = right.split_at_row_mut(half);
     {
         let (pivots, below) = left.rb().split_at_row(half);
-        let across = below.subrows(0, columns - half);
-        let scaled = match method {
-            Method::Cholesky => None,
-            Method::Ldl => Some(times_pivots(across, pivots)),
-        };
-        let across = scaled.as_ref().map_or(across, |scaled| scaled.as_ref());
-        let (top, bottom) = right.rb_mut().split_at_row_mut(columns - half);
         let (below_top, below_bottom) = below.split_at_row(columns - half);
-        workers.join(
-            || lower_product(top, Accum::Add, below_top, across, workers),
-            || product(bottom, Accum::Add, below_bottom, across, workers),
-        );
+        let (top, bottom) = right.rb_mut().split_at_row_mut(columns - half);
+        let product = Product {
+            left: below_top,
+            right: below_top,
+            pivots: (method == Method::Ldl).then_some(pivots),
+            accumulate: Accum::Add,
+            workers,
+        };
+        workers.join(|| product.subtract_lower(top), || product.of(below_bottom, below_top).subtract(bottom));
     }
     factor_panel(right, method, workers, stack).map_err(|(column, pivot)| (half + column, pivot))
 }
@@ -136,9 +136,7 @@ fn solve_rows(pivots: MatRef<'_, f64>, mut below: MatMut<'_, f64>, method: Metho
             solve_unit_lower_triangular_in_place(pivots, below.rb_mut().transpose_mut(), Par::Seq);
             for k in 0..pivots.ncols() {
                 let inverse = pivots[(k, k)].recip();
-                for entry in below.rb_mut().col_mut(k).iter_mut() {
-                    *entry *= inverse;
-                }
+                zip!(below.rb_mut().col_mut(k)).for_each(|unzip!(entry)| *entry *= inverse);
             }
         }
     }
@@ -148,58 +146,104 @@ fn solve_rows(pivots: MatRef<'_, f64>, mut below: MatMut<'_, f64>, method: Metho
 /// above the diagonal is undefined.
 pub(crate) fn update_matrix(update: MatMut<'_, f64>, panel: MatRef<'_, f64>, method: Method, workers: Workers) {
     let (pivots, below) = panel.split_at_row(panel.ncols());
-    match method {
-        Method::Cholesky => lower_product(update, Accum::Replace, below, below, workers),
-        Method::Ldl => {
-            let scaled = times_pivots(below, pivots);
-            lower_product(update, Accum::Replace, below, scaled.as_ref(), workers);
+    let product = Product {
+        left: below,
+        right: below,
+        pivots: (method == Method::Ldl).then_some(pivots),
+        accumulate: Accum::Replace,
+        workers,
+    };
+    product.subtract_lower(update);
+}
+
+/// `left rightᵀ`, or `left D rightᵀ` with `D` on the diagonal of `pivots`, to be subtracted from a target (or from
+/// nothing, to replace it).
+#[derive(Clone, Copy)]
+struct Product<'a> {
+    left: MatRef<'a, f64>,
+    right: MatRef<'a, f64>,
+    pivots: Option<MatRef<'a, f64>>,
+    accumulate: Accum,
+    workers: Workers,
+}
+
+impl<'a> Product<'a> {
+    /// The same for other factors.
+    fn of(self, left: MatRef<'a, f64>, right: MatRef<'a, f64>) -> Self {
+        Self { left, right, ..self }
+    }
+
+    /// Lower half of a square target.
+    fn subtract_lower(self, target: MatMut<'_, f64>) {
+        let n = target.nrows();
+        if n <= DIAGONAL_TILE {
+            return self.subtract(target);
+        }
+        let half = halve(n);
+        let (top_left, _, bottom_left, bottom_right) = target.split_at_mut(half, half);
+        let (left_top, left_bottom) = self.left.split_at_row(half);
+        let (right_top, right_bottom) = self.right.split_at_row(half);
+        self.workers.join(
+            || self.of(left_bottom, right_top).subtract(bottom_left),
+            || {
+                self.workers.join(
+                    || self.of(left_top, right_top).subtract_lower(top_left),
+                    || self.of(left_bottom, right_bottom).subtract_lower(bottom_right),
+                );
+            },
+        );
+    }
+
+    /// All of the target, by tiles.
+    fn subtract(self, target: MatMut<'_, f64>) {
+        let (rows, columns) = (target.nrows(), target.ncols());
+        if rows == 0 || columns == 0 {
+        } else if rows.max(columns) <= TILE {
+            self.subtract_tile(target);
+        } else if rows >= columns {
+            let half = halve(rows);
+            let (top, bottom) = target.split_at_row_mut(half);
+            let (left_top, left_bottom) = self.left.split_at_row(half);
+            self.workers.join(
+                || self.of(left_top, self.right).subtract(top),
+                || self.of(left_bottom, self.right).subtract(bottom),
+            );
+        } else {
+            let half = halve(columns);
+            let (left, right) = target.split_at_col_mut(half);
+            let (right_top, right_bottom) = self.right.split_at_row(half);
+            self.workers.join(
+                || self.of(self.left, right_top).subtract(left),
+                || self.of(self.left, right_bottom).subtract(right),
+            );
         }
     }
-}
 
-/// `L D`, with `D` on the diagonal of `pivots`.
-fn times_pivots(lower: MatRef<'_, f64>, pivots: MatRef<'_, f64>) -> Mat<f64> {
-    Mat::from_fn(lower.nrows(), lower.ncols(), |i, k| lower[(i, k)] * pivots[(k, k)])
-}
-
-/// Lower half of `target (+)= -a bᵀ`.
-fn lower_product(target: MatMut<'_, f64>, accumulate: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, workers: Workers) {
-    let n = target.nrows();
-    if n <= DIAGONAL_TILE {
-        return product(target, accumulate, a, b, Workers::One);
+    fn subtract_tile(self, target: MatMut<'_, f64>) {
+        let Some(pivots) = self.pivots else {
+            matmul(target, self.accumulate, self.left, self.right.transpose(), -1.0, Par::Seq);
+            return;
+        };
+        // A buffer per thread: allocating one per tile would have the threads queue for the allocator.
+        SCALED.with_borrow_mut(|scaled| {
+            let (rows, columns) = (self.right.nrows(), self.right.ncols());
+            let len = rows * columns;
+            if scaled.len() < len {
+                scaled.resize(len, 0.0);
+            }
+            let mut scaled = MatMut::from_column_major_slice_mut(&mut scaled[..len], rows, columns);
+            for k in 0..columns {
+                let pivot = pivots[(k, k)];
+                zip!(scaled.rb_mut().col_mut(k), self.right.col(k)).for_each(|unzip!(s, r)| *s = r * pivot);
+            }
+            matmul(target, self.accumulate, self.left, scaled.transpose(), -1.0, Par::Seq);
+        });
     }
-    let half = halve(n);
-    let (top_left, _, bottom_left, bottom_right) = target.split_at_mut(half, half);
-    let (a_top, a_bottom) = a.split_at_row(half);
-    let (b_top, b_bottom) = b.split_at_row(half);
-    let squares = || {
-        workers.join(
-            || lower_product(top_left, accumulate, a_top, b_top, workers),
-            || lower_product(bottom_right, accumulate, a_bottom, b_bottom, workers),
-        );
-    };
-    workers.join(|| product(bottom_left, accumulate, a_bottom, b_top, workers), squares);
 }
 
-/// `target (+)= -a bᵀ` by tiles.
-fn product(target: MatMut<'_, f64>, accumulate: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, workers: Workers) {
-    let (rows, columns) = (target.nrows(), target.ncols());
-    if rows == 0 || columns == 0 {
-    } else if rows.max(columns) <= TILE {
-        matmul(target, accumulate, a, b.transpose(), -1.0, Par::Seq);
-    } else if rows >= columns {
-        let half = halve(rows);
-        let (top, bottom) = target.split_at_row_mut(half);
-        let (a_top, a_bottom) = a.split_at_row(half);
-        workers
-            .join(|| product(top, accumulate, a_top, b, workers), || product(bottom, accumulate, a_bottom, b, workers));
-    } else {
-        let half = halve(columns);
-        let (left, right) = target.split_at_col_mut(half);
-        let (b_left, b_right) = b.split_at_row(half);
-        workers
-            .join(|| product(left, accumulate, a, b_left, workers), || product(right, accumulate, a, b_right, workers));
-    }
+thread_local! {
+    /// `right D` of the tile at hand.
+    static SCALED: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
 }
 
 /// About half, rounded so that tiles fill whole registers.
