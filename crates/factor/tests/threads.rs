@@ -104,3 +104,21 @@ fn fill_is_plausible() -> Result<(), FactorError> {
     }
     Ok(())
 }
+
+/// A factor that moves to another pattern behaves like a fresh one.
+#[test]
+fn memory_is_reused_for_another_pattern() -> Result<(), FactorError> {
+    let [compact, long] = matrices();
+    let mut factor = Factor::new(Arc::new(Symbolic::<3>::analyze(&long.pattern, Ordering::default())?));
+    factor.factorize(&long.values, &held(&long), Parallelism::Threads)?;
+    for (matrix, parallelism) in [(&compact, Parallelism::Threads), (&long, Parallelism::Serial)] {
+        let symbolic = Arc::new(Symbolic::analyze(&matrix.pattern, Ordering::default())?);
+        factor.set_symbolic(symbolic.clone());
+        let mut solution = right_hand_sides(matrix);
+        assert_eq!(factor.solve_in_place(&mut solution, NRHS), Err(FactorError::NotFactorized));
+        factor.factorize(&matrix.values, &held(matrix), parallelism)?;
+        factor.solve_in_place(&mut solution, NRHS)?;
+        assert_eq!(solution, solve(&symbolic, matrix, Parallelism::Serial)?.1);
+    }
+    Ok(())
+}
