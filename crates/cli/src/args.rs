@@ -25,6 +25,8 @@ pub enum Command {
     Check(CaseArguments),
     /// Write a commented case file to start from
     New(NewArguments),
+    /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
+    Rod(RodArguments),
 }
 
 /// A case file with changes to it.
@@ -56,6 +58,23 @@ pub struct RunArguments {
     /// Solve even if the estimated memory exceeds what is available
     #[arg(long)]
     pub force: bool,
+}
+
+/// Arguments of `pneuflex rod`.
+#[derive(Debug, Args)]
+pub struct RodArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Folder for rod.json [default: out/NAME-rod for the case file NAME.toml]; what else it holds is left alone
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Force on the rod's tip, downwards, that keeps its direction
+    #[arg(long, value_name = "NEWTON", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub tip_load: f64,
+    /// Print nothing but the parameters and errors
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `pneuflex new`.

@@ -1,5 +1,6 @@
 //! The output folder: who owns it, and files that are never half written.
 
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -24,13 +25,7 @@ impl OutputFolder {
     /// # Errors
     /// A path that is no folder, cannot be created or written to, or holds something else.
     pub fn prepare(path: &Path) -> Result<Self, InputError> {
-        let problem = |what: &str, error: io::Error| {
-            InputError::file(path, format!("{what}: {error}")).help(Some("choose another folder with --out".into()))
-        };
-        if path.exists() && !path.is_dir() {
-            return Err(InputError::file(path, "the output folder's name is taken by a file")
-                .help(Some("choose another folder with --out".into())));
-        }
+        let problem = |what: &str, error: io::Error| refused(path, format!("{what}: {error}"));
         if path.is_dir() {
             let is_empty = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.next().is_none();
             if !is_empty && !is_ours(path) {
@@ -38,14 +33,26 @@ impl OutputFolder {
                     .help(Some("choose another folder with --out; nothing was touched".into())));
             }
         }
+        let folder = Self::to_add_to(path)?;
+        folder.clear().map_err(|e| problem("results of an earlier run cannot be removed", e))?;
+        Ok(folder)
+    }
+
+    /// Makes sure that the folder exists and can be written to; nothing in it is removed.
+    ///
+    /// # Errors
+    /// A path that is no folder, cannot be created or written to.
+    pub fn to_add_to(path: &Path) -> Result<Self, InputError> {
+        let problem = |what: &str, error: io::Error| refused(path, format!("{what}: {error}"));
+        if path.exists() && !path.is_dir() {
+            return Err(refused(path, "the output folder's name is taken by a file"));
+        }
         fs::create_dir_all(path).map_err(|e| problem("the output folder cannot be created", e))?;
         let trial = path.join(".pneuflex-trial");
         let not_writable = |e| problem("the output folder is not writable", e);
         fs::write(&trial, "trial").map_err(not_writable)?;
         fs::remove_file(&trial).map_err(not_writable)?;
-        let folder = Self { path: path.to_owned() };
-        folder.clear().map_err(|e| problem("results of an earlier run cannot be removed", e))?;
-        Ok(folder)
+        Ok(Self { path: path.to_owned() })
     }
 
     fn clear(&self) -> io::Result<()> {
@@ -102,6 +109,10 @@ impl OutputFolder {
         let target = self.path.join(name);
         File::create(&target).map_err(|e| format!("{}: cannot be written: {e}", target.display()))
     }
+}
+
+fn refused(path: &Path, why: impl Display) -> InputError {
+    InputError::file(path, why).help(Some("choose another folder with --out".into()))
 }
 
 /// Whether a folder holds results of this program.

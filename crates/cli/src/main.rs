@@ -2,7 +2,7 @@
 //!
 //! * [`args`]: the command line.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
-//! * [`check`], [`new`], [`run`]: the commands.
+//! * [`check`], [`new`], [`run`], [`rod`]: the commands.
 //! * [`folder`], [`recorder`], [`json`]: the output folder.
 //! * [`memory`], [`progress`]: estimates and progress.
 //!
@@ -18,6 +18,7 @@ mod memory;
 mod new;
 mod progress;
 mod recorder;
+mod rod;
 mod run;
 mod suggest;
 
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
+        Command::Rod(arguments) => rod::rod(&arguments),
     };
     match done {
         Ok(Outcome::Converged) => ExitCode::SUCCESS,

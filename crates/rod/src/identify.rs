@@ -81,7 +81,7 @@ pub struct Identified {
     /// Fit of the curvature at first contact, 1/mm; left out without samples of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub touch_fit: Option<FitError>,
-    /// Fit of D_c, N·mm; left out if it was not determined.
+    /// Fit of D_c: moments of the contact samples, N·mm; left out if it was not determined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_fit: Option<FitError>,
 }
@@ -134,7 +134,10 @@ pub fn identify(samples: &Samples) -> Result<Identified, IdentifyError> {
         if contact.iter().any(|(row, _)| row[0] < 0.0) {
             let ([stiffness], error) = fit("contact stiffness", &contact)?;
             law.contact = stiffness.max(0.0);
-            contact_fit = Some(error);
+            // The moment is what the law is about, not what contact adds to it.
+            let count = samples.contact.len() as f64;
+            let size = (samples.contact.iter().map(|s| s.moment * s.moment).sum::<f64>() / count).sqrt();
+            contact_fit = Some(FitError { relative_rms: if size > 0.0 { error.rms / size } else { 0.0 }, ..error });
         }
     }
     Ok(Identified { law, curvature_fit, stiffness_fit, touch_fit, contact_fit })
