@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `hex8-sri` (the paper's) | 2 × 2 × 2 | the centre, with the element's whole volume | 1 |
 //! | `hex8-q1p0` | 2 × 2 × 2 | 2 × 2 × 2 | 1 |
-//! | `hex20` | 2 × 2 × 2 | 3 × 3 × 3 | 1, ξ, η, ζ |
+//! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3 × 3 × 3 | 3 × 3 × 3 | 1, ξ, η, ζ |
 //!
 //! All have the volumetric energy ½ κ θᵀ M⁻¹ θ with θᵢ = ∫ ψᵢ (J − 1) dV and Mᵢⱼ = ∫ ψᵢ ψⱼ dV; for one mode that is
@@ -52,7 +52,7 @@ impl ReferenceElement {
         let (deviatoric, volumetric, num_modes) = match formulation {
             Formulation::Hex8Sri => (quadrature::hexahedron(2), vec![([0.0; 3], 8.0)], 1),
             Formulation::Hex8Q1p0 => (quadrature::hexahedron(2), quadrature::hexahedron(2), 1),
-            Formulation::Hex20 => (quadrature::hexahedron(2), quadrature::hexahedron(3), 4),
+            Formulation::Hex20 => (quadrature::hexahedron_14(), quadrature::hexahedron_14(), 4),
             Formulation::Hex27 => (quadrature::hexahedron(3), quadrature::hexahedron(3), 4),
         };
         Self {

@@ -48,6 +48,29 @@ pub fn hexahedron(n: usize) -> Vec<([f64; 3], f64)> {
     rule
 }
 
+/// Irons' rule of degree 5 with 14 points on [−1, 1]³: six on the axes, eight on the diagonals (Irons 1971, *Int. J. Numer.
+/// Methods Engrg.* 3, "Quadrature rules for brick based finite elements").
+pub fn hexahedron_14() -> Vec<([f64; 3], f64)> {
+    let (axis, axis_weight) = ((19.0_f64 / 30.0).sqrt(), 320.0 / 361.0);
+    let (corner, corner_weight) = ((19.0_f64 / 33.0).sqrt(), 121.0 / 361.0);
+    let mut rule = Vec::with_capacity(14);
+    for direction in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut xi = [0.0; 3];
+            xi[direction] = sign * axis;
+            rule.push((xi, axis_weight));
+        }
+    }
+    for z in [-corner, corner] {
+        for y in [-corner, corner] {
+            for x in [-corner, corner] {
+                rule.push(([x, y, z], corner_weight));
+            }
+        }
+    }
+    rule
+}
+
 /// Tensor-product rule with `n`² points on [−1, 1]², ξ running fastest.
 pub fn quadrilateral(n: usize) -> Vec<([f64; 2], f64)> {
     let line = gauss_legendre(n);
@@ -125,6 +148,20 @@ mod tests {
                 let sum: f64 = gauss_legendre(n).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
                 let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
                 assert!((sum - exact).abs() < 1e-14, "n = {n}, degree {degree}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn fourteen_points_integrate_polynomials_up_to_degree_5() {
+        let exact = |n: i32| if n % 2 == 0 { 2.0 / f64::from(n + 1) } else { 0.0 };
+        for i in 0..=5 {
+            for j in 0..=5 - i {
+                for k in 0..=5 - i - j {
+                    let sum: f64 =
+                        hexahedron_14().iter().map(|&([x, y, z], w)| w * x.powi(i) * y.powi(j) * z.powi(k)).sum();
+                    assert!((sum - exact(i) * exact(j) * exact(k)).abs() < 1e-14, "x^{i} y^{j} z^{k}: {sum}");
+                }
             }
         }
     }

@@ -31,6 +31,25 @@ pub fn tensor<const DIM: usize>(n: usize) -> Vec<([f64; DIM], f64)> {
         .collect()
 }
 
+/// Irons' rule of degree 5 with 14 points on [−1, 1]³: weight a at distance r from the centre along the axes, weight b at
+/// (±s, ±s, ±s).
+///
+/// The monomials 1, x², x⁴ and x²y² ask for 6a + 8b = 8, 2ar² + 8bs² = 8/3, 2ar⁴ + 8bs⁴ = 8/5 and 8bs⁴ = 8/9. With
+/// x = 1/(3s²) they reduce to 15 (1 − x) = 4 (1 + x), so x = 11/19; the rest follows.
+pub fn irons() -> Vec<([f64; 3], f64)> {
+    let s = (19.0_f64 / 33.0).sqrt();
+    let b = 1.0 / (9.0 * s.powi(4));
+    let a = (8.0 - 8.0 * b) / 6.0;
+    let r = ((8.0 / 3.0 - 8.0 * b * s * s) / (2.0 * a)).sqrt();
+    let on_axes = (0..6).map(|i| {
+        let mut point = [0.0; 3];
+        point[i / 2] = if i % 2 == 0 { -r } else { r };
+        (point, a)
+    });
+    let on_diagonals = tensor::<3>(2).into_iter().map(|(x, _)| (x.map(|t| s.copysign(t)), b));
+    on_axes.chain(on_diagonals).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,5 +65,16 @@ mod tests {
         }
         let volume: f64 = tensor::<3>(2).iter().map(|&(x, w)| w * x[0].powi(2) * x[1].powi(2)).sum();
         assert!((volume - 8.0 / 9.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_fourteen_points_integrate_polynomials_up_to_degree_5() {
+        let exact = |n: i32| if n % 2 == 0 { 2.0 / f64::from(n + 1) } else { 0.0 };
+        let powers = (0..=5).flat_map(|i| (0..=5 - i).flat_map(move |j| (0..=5 - i - j).map(move |k| [i, j, k])));
+        for p in powers {
+            let term = |x: &[f64; 3]| x[0].powi(p[0]) * x[1].powi(p[1]) * x[2].powi(p[2]);
+            let sum: f64 = irons().iter().map(|(x, w)| w * term(x)).sum();
+            assert!((sum - exact(p[0]) * exact(p[1]) * exact(p[2])).abs() < 1e-13, "{p:?}: {sum}");
+        }
     }
 }

@@ -12,7 +12,7 @@
 //! |---|---|---|---|
 //! | `hex8-sri` | 2×2×2 | the centre, w = Vₑ | 1 |
 //! | `hex8-q1p0` | 2×2×2 | 2×2×2 | 1 |
-//! | `hex20` | 2×2×2 | 3×3×3 | 1, ξ, η, ζ |
+//! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
 //!
 //! Π is quadratic in p. Its stationary value is the primal energy: with θᵢ = Σ w ψᵢ (J − 1) and Mᵢⱼ = Σ w ψᵢ ψⱼ it is
@@ -301,7 +301,7 @@ fn rule(formulation: Formulation) -> Vec<RulePoint> {
     match formulation {
         Formulation::Hex8Sri => [points(2, true, false), points(1, false, true)].concat(),
         Formulation::Hex8Q1p0 => points(2, true, true),
-        Formulation::Hex20 => [points(2, true, false), points(3, false, true)].concat(),
+        Formulation::Hex20 => quadrature::irons().into_iter().map(|(xi, w)| (xi, w, true, true)).collect(),
         Formulation::Hex27 => points(3, true, true),
     }
 }

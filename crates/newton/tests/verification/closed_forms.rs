@@ -28,9 +28,9 @@ fn cube(formulation: Formulation, material: Material, stretched: [bool; 3]) -> P
     problem
 }
 
-/// Nominal stress along x at the stretches 1.5, 2 and, if `to_3`, 3, MPa.
-fn nominal_stress(problem: &Problem, transverse: fn(f64) -> f64, to_3: bool) -> Vec<f64> {
-    let stages = (1..=if to_3 { 8 } else { 4 }).map(|i| {
+/// Nominal stress along x at the stretches 1.5, 2 and 3, MPa.
+fn nominal_stress(problem: &Problem, transverse: fn(f64) -> f64) -> Vec<f64> {
+    let stages = (1..=8).map(|i| {
         let stretch = 1.0 + 0.25 * f64::from(i);
         displacement(&problem.mesh, |[x, y, z]| [stretch * x, transverse(stretch) * y, z])
     });
@@ -53,12 +53,9 @@ fn homogeneous_states() {
             // Stiff enough for the incompressible limit.
             let material = Material { bulk_modulus: 1e4, invariant, ..Material::default() };
             for (name, stretched, transverse, expected) in STATES {
-                // Beyond a stretch of 2 the 2 × 2 × 2 deviatoric points of hex20 let a spurious mode through here: the
-                // tangent becomes indefinite, and the solver refuses the state.
-                let is_stable = !(formulation == Formulation::Hex20 && name == "equibiaxial");
                 let problem = cube(formulation, material.clone(), stretched);
-                let found = nominal_stress(&problem, transverse, is_stable);
-                assert_eq!(found.len(), if is_stable { 3 } else { 2 });
+                let found = nominal_stress(&problem, transverse);
+                assert_eq!(found.len(), 3);
                 for (found, expected) in found.into_iter().zip(expected) {
                     let error = found / expected - 1.0;
                     assert!(error.abs() < 2e-3, "{name}, {formulation}, {invariant:?}: {found} for {expected}");
@@ -96,7 +93,7 @@ fn uniaxial_stress_of_the_papers_material() {
             let material = Material { invariant, ..Material::default() };
             let expected = [1.5, 2.0, 3.0].map(|stretch| uniaxial_stress(&material, stretch));
             let problem = cube(formulation, material, [true, false, false]);
-            for (found, expected) in nominal_stress(&problem, |_| 1.0, true).into_iter().zip(expected) {
+            for (found, expected) in nominal_stress(&problem, |_| 1.0).into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-9, "{formulation}, {invariant:?}: {found} for {expected}");
             }
         }
@@ -133,7 +130,8 @@ fn tube(formulation: Formulation, material: Material, [radial, around]: [usize; 
 
 /// Relative errors of the inner radial displacement at 20, 35, 50, 100 kPa.
 fn tube_errors(formulation: Formulation, material: &Material, cells: [usize; 2]) -> [f64; 4] {
-    let exact = [0.201_636, 0.372_862, 0.564_624, 1.403_463];
+    // Theory §9 with more digits: the integral of 2 W′ (λ² − λ⁻²) / r over the wall, by adaptive quadrature.
+    let exact = [0.201_635_981_3, 0.372_861_762_8, 0.564_623_773_2, 1.403_463_487_1];
     let problem = tube(formulation, material.clone(), cells);
     let (node, _) = problem.mesh.nearest_node([5.0, 0.0, 0.0]).unwrap();
     let states = follow(&problem, &[20.0, 35.0, 50.0, 100.0], &Solver::default());
@@ -143,10 +141,11 @@ fn tube_errors(formulation: Formulation, material: &Material, cells: [usize; 2])
 /// With the paper's bulk modulus the finest mesh is within 1 %; nearer to incompressibility, errors fall with their order.
 #[test]
 fn thick_tube() {
+    // Two elements around the quarter are so good with hex20 that the bulk modulus would limit the finer meshes.
     for (formulation, coarse, order) in [
         (Formulation::Hex8Sri, [2, 5], 2.0),
         (Formulation::Hex8Q1p0, [2, 5], 2.0),
-        (Formulation::Hex20, [1, 2], 4.0),
+        (Formulation::Hex20, [1, 1], 4.0),
         (Formulation::Hex27, [1, 2], 4.0),
     ] {
         let refinements = [1, 2, 4];
@@ -227,7 +226,9 @@ fn torsion_converges() {
     for (formulation, meshes, [order_of_torque, order_of_force]) in [
         (Formulation::Hex8Sri, linear, [1.9, 1.9]),
         (Formulation::Hex8Q1p0, linear, [1.9, 1.9]),
-        (Formulation::Hex20, quadratic, [3.0, 3.0]),
+        // Serendipity functions are not complete on curved elements (Arnold, Boffi & Falk 2002); from the second mesh on the
+        // torque's order is 3.8.
+        (Formulation::Hex20, quadratic, [2.9, 3.0]),
         (Formulation::Hex27, quadratic, [3.0, 3.0]),
     ] {
         let material = Material { bulk_modulus: 1e4, ..Material::default() };
