@@ -21,19 +21,21 @@ pub struct Estimate {
 impl Estimate {
     /// Estimates a case whose values are within their ranges.
     ///
-    /// Nodes per element approach 1, 4 and 8 (hex8, hex20, hex27) and exceed that by a share that falls like the surface
-    /// does: fitted to the two default actuators from 4 to 0.25 mm, within 10 % up to 1 mm elements.
+    /// Nodes per lattice cell approach 1, 4 and 8 (hex8, hex20, hex27 and tet10, which share their nodes) and exceed that
+    /// by a share that falls like the surface does: fitted to the two default actuators from 4 to 0.25 mm, within 10 % up
+    /// to 1 mm cells.
     pub fn of(case: &Case) -> Self {
-        let elements = case.actuator.estimate_elements(&case.mesh.mesh_size());
-        let per_chamber = elements / case.actuator.chambers as f64;
-        let (inside, surface) = match case.mesh.element.element_kind() {
+        let kind = case.mesh.element.element_kind();
+        let cells = case.actuator.estimate_cells(&case.mesh.mesh_size());
+        let per_chamber = cells / case.actuator.chambers as f64;
+        let (inside, surface) = match kind {
             ElementKind::Hex8 => (1.0, 5.8),
             ElementKind::Hex20 => (4.0, 17.3),
-            ElementKind::Hex27 => (8.0, 23.0),
-            ElementKind::Tet10 => (1.4, 3.0),
+            ElementKind::Hex27 | ElementKind::Tet10 => (8.0, 23.0),
         };
-        let unknowns = 3.0 * elements * (inside + surface / per_chamber.cbrt());
-        Self { elements, unknowns, bytes: bytes(case.mesh.element.element_kind(), case.actuator.chambers, unknowns) }
+        let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
+        let elements = cells * kind.elements_per_cell() as f64;
+        Self { elements, unknowns, bytes: bytes(kind, case.actuator.chambers, unknowns) }
     }
 
     /// Estimates a case whose mesh has the given numbers of elements and unknowns.
@@ -161,7 +163,7 @@ mod tests {
     #[test]
     fn unknowns_are_estimated_within_a_tenth() {
         for actuator in [Actuator::two_chambers(), Actuator::full()] {
-            for element in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+            for element in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
                 for h in [1.0, 0.5] {
                     let mesh = MeshOptions { size: Size::Uniform(h), element, ..MeshOptions::default() };
                     let built = build_actuator(&actuator, &mesh.mesh_size(), element.element_kind()).unwrap();

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::element::ElementKind;
-use crate::lattice::{Lattice, Neighbour};
+use crate::lattice::{BoundaryFacet, Lattice, Neighbour};
 use crate::mesh::{Facet, Mesh};
 
 /// Lengths of the actuator, mm; symbols of the paper in brackets.
@@ -270,8 +270,9 @@ impl Actuator {
         }
     }
 
-    /// Estimated number of elements for a given size, without building anything; exact up to rounding of the solid share.
-    pub fn estimate_elements(&self, size: &MeshSize) -> f64 {
+    /// Estimated number of solid lattice cells for a given size, without building anything; exact up to rounding of the
+    /// solid share.
+    pub fn estimate_cells(&self, size: &MeshSize) -> f64 {
         let intervals = self.intervals();
         let mut solid = 0.0;
         let counts: [Vec<f64>; 3] = std::array::from_fn(|d| {
@@ -317,7 +318,7 @@ fn to_intervals(planes: &[(f64, bool)], tolerance: f64) -> Vec<Interval> {
 /// A length out of range, see [`Actuator::validate`].
 ///
 /// # Panics
-/// If `kind` is not a hexahedron, or a size is not positive: callers check their options first.
+/// If a size is not positive: callers check their options first.
 pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -> Result<Mesh, GeometryError> {
     actuator.validate()?;
     let intervals = actuator.intervals();
@@ -336,14 +337,13 @@ pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -
 
     let mut facet_sets: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
     let last = lattice.num_cells()[0] - 1;
-    for (facet, neighbour) in built.boundary() {
-        let cell = built.cells[facet.element as usize];
-        let name = match (neighbour, facet.face) {
-            (Neighbour::Void(void), face) => match actuator.region(lattice.centre(void)) {
+    for BoundaryFacet { facet, cell, side, neighbour } in built.boundary() {
+        let name = match (neighbour, side) {
+            (Neighbour::Void(void), side) => match actuator.region(lattice.centre(void)) {
                 Region::Air => "cavity".into(),
                 // The wall at the gap's low end looks along +x and belongs to the left chamber.
-                Region::Gap(i) if face == 1 => format!("gap_{}_left", i + 1),
-                Region::Gap(i) if face == 0 => format!("gap_{}_right", i + 1),
+                Region::Gap(i) if side == 1 => format!("gap_{}_left", i + 1),
+                Region::Gap(i) if side == 0 => format!("gap_{}_right", i + 1),
                 _ => continue,
             },
             (Neighbour::Outside, 0) => "clamp".into(),
@@ -353,6 +353,7 @@ pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -
         };
         facet_sets.entry(name).or_default().push(facet);
     }
+    facet_sets.values_mut().for_each(|facets| facets.sort_unstable());
 
     let mesh = &mut built.mesh;
     let length = actuator.length();
@@ -376,7 +377,7 @@ mod tests {
     use super::*;
     use crate::{quadrature, shape};
 
-    const KINDS: [ElementKind; 3] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27];
+    const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
 
     fn size(h: f64) -> MeshSize {
         MeshSize { size: [h; 3], wall_elements: 1 }
@@ -435,6 +436,26 @@ mod tests {
         assert!((signed_volume(&mesh, "cavity") + air).abs() < 1e-9);
     }
 
+    /// Single-point contact pairs the facets in the order of the sets: through the gap, they must coincide.
+    #[test]
+    fn walls_of_a_gap_correspond_facet_by_facet() {
+        for kind in KINDS {
+            let mesh = build_actuator(&Actuator::two_chambers(), &size(3.0), kind).unwrap();
+            let [left, right] = ["gap_1_left", "gap_1_right"].map(|set| mesh.facet_set(set));
+            assert_eq!(left.len(), right.len());
+            for (&a, &b) in left.iter().zip(right) {
+                let across = |facet: Facet| -> Vec<[u64; 2]> {
+                    let nodes = mesh.facet_nodes(facet);
+                    let mut seen: Vec<_> =
+                        nodes.iter().map(|&n| mesh.nodes[n as usize]).map(|x| [x[1], x[2]].map(f64::to_bits)).collect();
+                    seen.sort_unstable();
+                    seen
+                };
+                assert_eq!(across(a), across(b), "{kind:?}");
+            }
+        }
+    }
+
     #[test]
     fn walls_of_every_gap_face_each_other() {
         let mesh = build_actuator(&Actuator::full(), &size(1.0), ElementKind::Hex8).unwrap();
@@ -470,7 +491,7 @@ mod tests {
         assert_eq!(mesh.node_set("end_face").len(), 11 * 5);
         assert_eq!(mesh.facet_set("bottom").len(), 82 * 10);
         assert!(mesh.node_set("symmetry").iter().all(|&n| mesh.nodes[n as usize][1] == 0.0));
-        let estimate = Actuator::full().estimate_elements(&size(1.0));
+        let estimate = Actuator::full().estimate_cells(&size(1.0));
         assert_eq!(estimate as usize, mesh.num_elements());
     }
 

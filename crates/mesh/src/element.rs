@@ -164,6 +164,14 @@ impl ElementKind {
         }
     }
 
+    /// Number of elements that one lattice cell is divided into.
+    pub const fn elements_per_cell(self) -> usize {
+        match self {
+            Self::Tet10 => crate::kuhn::TETRAHEDRA,
+            _ => 1,
+        }
+    }
+
     /// Whether nodes sit on mid-edges, so that edges may be curved.
     pub const fn is_quadratic(self) -> bool {
         !matches!(self, Self::Hex8)

@@ -1,8 +1,9 @@
-//! Structured hexahedra on a tensor-product grid from which cells may be left out.
+//! Structured hexahedra, or tetrahedra, on a tensor-product grid from which cells may be left out.
 
 use std::collections::BTreeMap;
 
 use crate::element::ElementKind;
+use crate::kuhn;
 use crate::mesh::{Facet, Mesh};
 
 /// Grid lines along the three axes; at least two, strictly increasing, along each.
@@ -33,27 +34,28 @@ impl Lattice {
 
     /// Meshes the cells for which `is_solid(cell)` holds. The mesh has no named sets yet.
     ///
-    /// Elements and nodes are numbered with z fastest and x slowest, which keeps neighbours close in memory.
-    ///
-    /// # Panics
-    /// If `kind` is not a hexahedron.
+    /// A cell becomes one hexahedron or six tetrahedra ([`kuhn`]). Cells and nodes are numbered with z fastest and x
+    /// slowest, which keeps neighbours close in memory.
     pub fn mesh(&self, kind: ElementKind, is_solid: impl Fn([usize; 3]) -> bool) -> LatticeMesh {
-        assert!(kind != ElementKind::Tet10, "a lattice is meshed by hexahedra");
         let cells = self.num_cells();
         // Nodes live on the grid with every interval halved; linear elements use its even points only.
         let fine: [usize; 3] = std::array::from_fn(|d| 2 * cells[d] + 1);
         let fine_index = |p: [usize; 3]| (p[0] * fine[1] + p[1]) * fine[2] + p[2];
-        let offsets: Vec<[usize; 3]> = kind.reference_nodes().iter().map(|x| x.map(|t| (t + 1.0) as usize)).collect();
+        // Of all the elements of a cell, one after the other.
+        let offsets: Vec<[usize; 3]> = match kind {
+            ElementKind::Tet10 => kuhn::node_offsets().into_iter().flatten().collect(),
+            _ => kind.reference_nodes().iter().map(|x| x.map(|t| (t + 1.0) as usize)).collect(),
+        };
 
         let mut solid_cells = Vec::new();
-        let mut element_of_cell = vec![None; cells[0] * cells[1] * cells[2]];
+        let mut is_meshed = vec![false; cells[0] * cells[1] * cells[2]];
         let cell_index = |c: [usize; 3]| (c[0] * cells[1] + c[1]) * cells[2] + c[2];
         let mut used = vec![false; fine[0] * fine[1] * fine[2]];
         for i in 0..cells[0] {
             for j in 0..cells[1] {
                 for k in 0..cells[2] {
                     if is_solid([i, j, k]) {
-                        element_of_cell[cell_index([i, j, k])] = Some(solid_cells.len() as u32);
+                        is_meshed[cell_index([i, j, k])] = true;
                         solid_cells.push([i, j, k]);
                         for o in &offsets {
                             used[fine_index([2 * i + o[0], 2 * j + o[1], 2 * k + o[2]])] = true;
@@ -87,7 +89,7 @@ impl Lattice {
         LatticeMesh {
             mesh: Mesh { kind, nodes, connectivity, node_sets: BTreeMap::new(), facet_sets: BTreeMap::new() },
             cells: solid_cells,
-            element_of_cell,
+            is_meshed,
             size: cells,
         }
     }
@@ -98,18 +100,18 @@ impl Lattice {
     }
 }
 
-/// A mesh together with the lattice cell of every element.
+/// A mesh together with its lattice cells.
 #[derive(Clone, Debug)]
 pub struct LatticeMesh {
     /// The mesh.
     pub mesh: Mesh,
-    /// Lattice cell of every element.
+    /// The lattice cells that are meshed, in the order of their elements ([`ElementKind::elements_per_cell`] each).
     pub cells: Vec<[usize; 3]>,
-    element_of_cell: Vec<Option<u32>>,
+    is_meshed: Vec<bool>,
     size: [usize; 3],
 }
 
-/// What lies on the other side of an element's face.
+/// What lies on the other side of a cell's side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Neighbour {
     /// The lattice ends here.
@@ -118,32 +120,84 @@ pub enum Neighbour {
     Void([usize; 3]),
 }
 
+/// A facet on the boundary of the meshed cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoundaryFacet {
+    /// The facet.
+    pub facet: Facet,
+    /// Cell it belongs to.
+    pub cell: [usize; 3],
+    /// Side of the cell: 0 … 5 for −x, +x, −y, +y, −z, +z.
+    pub side: usize,
+    /// What it looks at.
+    pub neighbour: Neighbour,
+}
+
 impl LatticeMesh {
-    /// All boundary facets with what they look at, in element order.
-    pub fn boundary(&self) -> Vec<(Facet, Neighbour)> {
+    /// All boundary facets, cell by cell and side by side.
+    pub fn boundary(&self) -> Vec<BoundaryFacet> {
+        let kind = self.mesh.kind;
+        // Facets on the sides of a cell: element within the cell and local face.
+        let on_side: [Vec<(usize, u8)>; 6] = match kind {
+            ElementKind::Tet10 => kuhn::faces_on_sides().map(Vec::from),
+            // The faces of hexahedra come in the order of the sides.
+            _ => std::array::from_fn(|side| vec![(0, side as u8)]),
+        };
         let mut boundary = Vec::new();
-        for (element, cell) in self.cells.iter().enumerate() {
-            // Faces come in the order −x, +x, −y, +y, −z, +z.
-            for face in 0..6_u8 {
-                let (axis, up) = ((face / 2) as usize, face % 2 == 1);
-                let facet = Facet { element: element as u32, face };
-                let limit = if up { self.size[axis] - 1 } else { 0 };
-                if cell[axis] == limit {
-                    boundary.push((facet, Neighbour::Outside));
-                    continue;
-                }
-                let mut other = *cell;
-                if up {
-                    other[axis] += 1
-                } else {
-                    other[axis] -= 1
-                }
-                let index = (other[0] * self.size[1] + other[1]) * self.size[2] + other[2];
-                if self.element_of_cell[index].is_none() {
-                    boundary.push((facet, Neighbour::Void(other)));
-                }
+        for (index, &cell) in self.cells.iter().enumerate() {
+            for (side, facets) in on_side.iter().enumerate() {
+                let Some(neighbour) = self.neighbour(cell, side) else { continue };
+                boundary.extend(facets.iter().map(|&(within, face)| {
+                    let element = (index * kind.elements_per_cell() + within) as u32;
+                    BoundaryFacet { facet: Facet { element, face }, cell, side, neighbour }
+                }));
             }
         }
         boundary
+    }
+
+    /// What lies beyond a side of a meshed cell; `None` for another meshed cell.
+    fn neighbour(&self, cell: [usize; 3], side: usize) -> Option<Neighbour> {
+        let (axis, up) = (side / 2, side % 2 == 1);
+        let limit = if up { self.size[axis] - 1 } else { 0 };
+        if cell[axis] == limit {
+            return Some(Neighbour::Outside);
+        }
+        let mut other = cell;
+        if up {
+            other[axis] += 1
+        } else {
+            other[axis] -= 1
+        }
+        let index = (other[0] * self.size[1] + other[1]) * self.size[2] + other[2];
+        (!self.is_meshed[index]).then_some(Neighbour::Void(other))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tetrahedra_conform_and_fill_the_lattice() {
+        let lattice = Lattice { lines: [vec![0.0, 1.0, 1.5], vec![0.0, 0.7, 2.0, 2.2], vec![-1.0, 0.0, 3.0]] };
+        let built = lattice.mesh(ElementKind::Tet10, |cell| cell != [1, 1, 0]);
+        let mesh = &built.mesh;
+        assert_eq!((mesh.num_elements(), built.cells.len()), (66, 11));
+        assert!((mesh.volume() - (1.5 * 2.2 * 4.0 - 0.5 * 1.3)).abs() < 1e-12);
+        // Facets shared by no other element are those of the cells' boundary: two tetrahedra share every other one.
+        let mut from_lattice: Vec<Facet> = built.boundary().iter().map(|b| b.facet).collect();
+        from_lattice.sort();
+        assert_eq!(from_lattice, mesh.boundary_facets());
+        // Mid-edge nodes are in the middle.
+        for element in 0..mesh.num_elements() {
+            let nodes = mesh.element(element);
+            for (&middle, [a, b]) in nodes[4..].iter().zip(crate::element::TET_EDGES) {
+                for d in 0..3 {
+                    let mean = 0.5 * (mesh.nodes[nodes[a] as usize][d] + mesh.nodes[nodes[b] as usize][d]);
+                    assert!((mesh.nodes[middle as usize][d] - mean).abs() < 1e-14);
+                }
+            }
+        }
     }
 }

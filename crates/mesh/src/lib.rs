@@ -7,11 +7,13 @@
 //! * [`shape`]: shape functions and their gradients on reference elements and faces.
 //! * [`quadrature`]: Gauss rules.
 //! * [`mesh`]: the [`Mesh`] itself.
-//! * [`lattice`]: structured hexahedra on a tensor-product grid from which cells are left out.
+//! * [`lattice`]: structured hexahedra or tetrahedra on a tensor-product grid from which cells are left out.
+//! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
 pub mod actuator;
 pub mod element;
+pub mod kuhn;
 pub mod lattice;
 pub mod mesh;
 pub mod quadrature;
