@@ -6,9 +6,28 @@
 //! | `hex8-q1p0` | 2 × 2 × 2 | 2 × 2 × 2 | 1 |
 //! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3 × 3 × 3 | 3 × 3 × 3 | 1, ξ, η, ζ |
+//! | `tet10` | 4 (degree 2) | 8 (degree 3) | 1 |
 //!
 //! All have the volumetric energy ½ κ θᵀ M⁻¹ θ with θᵢ = ∫ ψᵢ (J − 1) dV and Mᵢⱼ = ∫ ψᵢ ψⱼ dV; for one mode that is
 //! ½ κ (J̄ − 1)² V.
+//!
+//! # Tetrahedra
+//!
+//! `tet10` is the pair P2–P0: continuous quadratic displacements and a pressure constant in each element. The constant pressure
+//! bounds the order of the strains to O(h). In the plane the pair is inf-sup stable, because mid-edge nodes control the
+//! flux through every side; in space P2 lacks the nodes at the centres of faces that would do this (Boffi, Brezzi & Fortin
+//! 2013, *Mixed Finite Element Methods and Applications*, ch. 8). Measured on Kuhn's tetrahedra (`tests/eigenvalues.rs`), the
+//! inf-sup constant falls like h, as that of `hex8-q1p0` does: there is no locking, as pressures are few (6 per 24
+//! displacements), but pressures of single elements may oscillate, so read them averaged at the nodes.
+//!
+//! On straight-sided tetrahedra the gradients are linear, and four points integrate the stiffness at rest exactly. But the
+//! isochoric energy is blind to conformal maps, of which three are quadratic (2 (a·X) X − a |X|²), and their change of
+//! volume has the mean zero about the centroid, so the constant pressure is blind to them, too: with the two energies
+//! alone a free element has nine zero eigenvalues, whatever the rule. So a part κ_f = min(μ, κ/2) of the bulk modulus, μ = 2 C₁₀
+//! ([`Formulation::fluctuation_modulus`]), is integrated at the four points, ½ κ_f ∫ (J − 1)² dV, and κ − κ_f is left for the mean: together
+//! ½ κ (J̄ − 1)² V + ½ κ_f ∫ (J − J̄)² dV. That leaves six zero eigenvalues, and cannot lock, as κ_f does not grow with κ.
+//!
+//! det ∂r/∂ξ is a cubic: the eight points integrate θ exactly, also on curved elements.
 
 use pneuflex_mesh::{
     ElementKind,
@@ -54,6 +73,7 @@ impl ReferenceElement {
             Formulation::Hex8Q1p0 => (quadrature::hexahedron(2), quadrature::hexahedron(2), 1),
             Formulation::Hex20 => (quadrature::hexahedron_14(), quadrature::hexahedron_14(), 4),
             Formulation::Hex27 => (quadrature::hexahedron(3), quadrature::hexahedron(3), 4),
+            Formulation::Tet10 => (quadrature::tetrahedron_4(), quadrature::tetrahedron_8(), 1),
         };
         Self {
             kind,

@@ -36,7 +36,9 @@ use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 pub struct Solid {
     reference: ReferenceElement,
     law: Yeoh,
+    /// Parts of the bulk modulus that resist the mean change of volume and its fluctuations, MPa.
     bulk_modulus: f64,
+    fluctuation_modulus: f64,
     nodes: Vec<[f64; 3]>,
     connectivity: Vec<u32>,
     /// M⁻¹ of every element; only the leading `num_modes` rows and columns count.
@@ -65,10 +67,12 @@ impl Solid {
     /// # Errors
     /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
     pub fn new(mesh: &Mesh, formulation: Formulation, material: &Material) -> Result<Self, DegenerateElement> {
+        let fluctuation_modulus = formulation.fluctuation_modulus(material);
         let mut solid = Self {
             reference: ReferenceElement::new(formulation),
             law: Yeoh::new(material),
-            bulk_modulus: material.bulk_modulus,
+            bulk_modulus: material.bulk_modulus - fluctuation_modulus,
+            fluctuation_modulus,
             nodes: mesh.nodes.clone(),
             connectivity: mesh.connectivity.clone(),
             inverse_mass: Vec::new(),
@@ -115,7 +119,8 @@ impl Solid {
     }
 
     /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: κ M⁻¹ θ, or with a correction
-    /// κ M⁻¹ (θ + B δu). The pressure at a point is Σ ψᵢ pᵢ; tension is positive.
+    /// κ M⁻¹ (θ + B δu). The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
+    /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
         match self.reference.kind {
             ElementKind::Hex8 => self.pressures_of::<8>(displacement, correction),
@@ -249,7 +254,11 @@ impl Solid {
             let h = displacement_gradient(&u, &gradients);
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
-            let d = self.law.evaluate(&kinematics);
+            let mut d = self.law.evaluate(&kinematics);
+            let excess = kinematics.jacobian_minus_1;
+            d.energy += 0.5 * self.fluctuation_modulus * excess * excess;
+            d.wj += self.fluctuation_modulus * excess;
+            d.wjj += self.fluctuation_modulus;
             out.energy += volume * d.energy;
             if request == Request::Energy {
                 continue;

@@ -7,8 +7,8 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
 use pneuflex_model::{Formulation, Invariant, Material};
 
-const FORMULATIONS: [Formulation; 4] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
+const FORMULATIONS: [Formulation; 5] =
+    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
 
 /// Two skewed elements.
 fn skewed(formulation: Formulation) -> Mesh {
@@ -89,7 +89,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
 
 #[test]
 fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
-    for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+    for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let size = MeshSize { size: [9.0; 3], wall_elements: 1 };
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();

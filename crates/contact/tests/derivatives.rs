@@ -51,7 +51,7 @@ fn total(model: &ContactModel, positions: &[[f64; 3]]) -> Total {
 
 #[test]
 fn force_and_tangent_are_derivatives_of_the_energy() {
-    for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27] {
+    for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (mesh, pairs, positions) = touching(kind);
             let model = ContactModel::new(&mesh, &pairs, &Contact { method, stiffness: 4.0 });
@@ -119,7 +119,7 @@ fn near_pairs_cover_every_touching_pair() {
 #[test]
 fn the_search_finds_the_same_points_as_brute_force() {
     use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project};
-    for kind in [ElementKind::Hex8, ElementKind::Hex27] {
+    for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10] {
         let (mesh, pairs, positions) = touching(kind);
         let model = ContactModel::new(&mesh, &pairs, &Contact { method: ContactMethod::MultiPoint, stiffness: 4.0 });
         let (slave, master) = model.surfaces(0);

@@ -75,6 +75,9 @@ pub enum Formulation {
     /// Triquadratic hexahedron with a discontinuous linear pressure.
     #[serde(rename = "hex27")]
     Hex27,
+    /// Quadratic tetrahedron with a constant pressure (P2–P0); six per lattice cell.
+    #[serde(rename = "tet10")]
+    Tet10,
 }
 
 /// Material law and constants, MPa.
@@ -281,6 +284,17 @@ impl Formulation {
             Self::Hex8Sri | Self::Hex8Q1p0 => ElementKind::Hex8,
             Self::Hex20 => ElementKind::Hex20,
             Self::Hex27 => ElementKind::Hex27,
+            Self::Tet10 => ElementKind::Tet10,
+        }
+    }
+
+    /// Part of the bulk modulus, MPa, that resists fluctuations of J within an element; the rest resists its mean. Zero but
+    /// for the tetrahedron, whose constant pressure leaves three quadratic motions without energy otherwise
+    /// (`pneuflex-assembly`, formulations).
+    pub fn fluctuation_modulus(self, material: &Material) -> f64 {
+        match self {
+            Self::Tet10 => (2.0 * material.c10).min(0.5 * material.bulk_modulus),
+            _ => 0.0,
         }
     }
 
@@ -291,6 +305,7 @@ impl Formulation {
             Self::Hex8Q1p0 => "hex8-q1p0",
             Self::Hex20 => "hex20",
             Self::Hex27 => "hex27",
+            Self::Tet10 => "tet10",
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Frictionless penalty contact by brute force (theory §5): the energy ½ k ∫⟨−d⟩² dA₀ over the slaves' reference area.
 //!
 //! * Single-point: the centre of slave facet i against the centre of master facet i, d = (r_s − r_m) · n_m with the
-//!   master's normal at its centre. One Gauss point, so the area weight is 4 |X_ξ × X_η|.
-//! * Multiple-point: 4 × 4 Gauss points on every slave facet, each projected on *every* master facet of the pair.
+//!   master's normal at its centre. One Gauss point, so the area weight is 4 |X_ξ × X_η| (½ on triangles).
+//! * Multiple-point: 4 × 4 Gauss points (collapsed on triangles) on every slave facet, each projected on *every* master facet of the pair.
 //!
 //! Which projection counts, in the order of the master list:
 //! 1. among facets with converged |ξ|, |η| ≤ 1 + 1e−9 the nearest, the first of equals;
 //! 2. otherwise among those with |ξ|, |η| ≤ 1.1 the nearest;
 //! 3. otherwise none: no contact.
+//!
+//! On triangles 0 ≤ ξ, 0 ≤ η, ξ + η ≤ 1, with the same excesses.
 //!
 //! # Derivatives through the projection
 //! (ξ, η) solves g(ξ, q) = (r_m − r_s) · r_m,ξ = 0 and so depends on q. The search runs in real numbers until
@@ -16,6 +18,7 @@
 //! first and second derivatives of ξ. (For d itself one would do, because d is stationary in ξ at the closest point.)
 
 use nalgebra::{DMatrix, DVector};
+use pneuflex_mesh::FaceKind;
 use pneuflex_model::{ContactMethod, ContactPair, Problem};
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, normalised, vector};
@@ -23,7 +26,7 @@ use crate::error::ReferenceError;
 use crate::quadrature;
 use crate::shape::ShapeFunctions;
 
-/// A projection counts as inside its facet up to this excess of |ξ|, |η| over 1.
+/// A projection counts as inside its facet up to this excess of |ξ|, |η| over 1 (or over a triangle's sides).
 const INSIDE: f64 = 1e-9;
 /// Without any projection inside, one this far outside is accepted: it bridges the wedge between tilted neighbours.
 const MARGIN: f64 = 0.1;
@@ -60,6 +63,7 @@ pub struct ContactModel {
     // Nodes of the facets of every pair: slave, master.
     facets: Vec<[Vec<Vec<u32>>; 2]>,
     shape: ShapeFunctions<2>,
+    kind: FaceKind,
     rule: Vec<([f64; 2], f64)>,
 }
 
@@ -144,6 +148,13 @@ impl ContactModel {
                 return Err(ReferenceError::UnpairedFacets { pair: pair.name.clone(), slave, master });
             }
         }
+        let kind = mesh.face_kind();
+        let rule = match (method, kind) {
+            (ContactMethod::SinglePoint, FaceKind::Tri6) => vec![(centre(kind), 0.5)],
+            (ContactMethod::SinglePoint, _) => quadrature::tensor(1),
+            (_, FaceKind::Tri6) => quadrature::collapsed(4),
+            _ => quadrature::tensor(4),
+        };
         let nodes = |facets: &[_]| facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
         Ok(Self {
             method,
@@ -152,7 +163,8 @@ impl ContactModel {
             pairs: problem.contact_pairs.clone(),
             positions: mesh.nodes.clone(),
             shape,
-            rule: quadrature::tensor(if method == ContactMethod::SinglePoint { 1 } else { 4 }),
+            kind,
+            rule,
         })
     }
 
@@ -192,7 +204,7 @@ impl ContactModel {
                     let area = weight * dot(normal, normal).sqrt();
                     let r_s = at(0, &self.deformed(&self.facets[pair][0][slave], u));
                     let found = match self.method {
-                        ContactMethod::SinglePoint => Some((slave, [0.0; 2])),
+                        ContactMethod::SinglePoint => Some((slave, centre(self.kind))),
                         _ => self.closest(pair, r_s, u),
                     };
                     if let Some((master, xi)) = found {
@@ -215,7 +227,7 @@ impl ContactModel {
             .enumerate()
             .filter_map(|(master, nodes)| {
                 let nodes = self.deformed(nodes, u);
-                let xi = project(&self.shape, r_s, &nodes)?;
+                let xi = project(&self.shape, centre(self.kind), r_s, &nodes)?;
                 let offset = minus(r_s, interpolate(&nodes, &self.shape.derivatives([0, 0], &xi)));
                 Some((master, xi, dot(offset, offset)))
             })
@@ -224,11 +236,11 @@ impl ContactModel {
             // `min_by` returns the first of equals.
             candidates
                 .iter()
-                .filter(|(_, xi, _)| xi.iter().all(|x| x.abs() <= limit))
+                .filter(|(_, xi, _)| excess(self.kind, xi) <= limit)
                 .min_by(|a, b| a.2.total_cmp(&b.2))
                 .map(|&(master, xi, _)| (master, xi))
         };
-        nearest_within(1.0 + INSIDE).or_else(|| nearest_within(1.0 + MARGIN))
+        nearest_within(INSIDE).or_else(|| nearest_within(MARGIN))
     }
 
     fn deformed(&self, nodes: &[u32], u: &[f64]) -> Vec<[f64; 3]> {
@@ -258,6 +270,7 @@ impl ContactModel {
         rows.extend((0..n).map(|a| (0..2 * n).map(|b| f64::from(b == n + a)).collect()));
         let energy = ClosestPoint { stiffness, shape: &self.shape, xi: point.xi };
         match n {
+            6 => Box::new(Term::<21, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             4 => Box::new(Term::<15, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             8 => Box::new(Term::<27, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             _ => Box::new(Term::<30, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
@@ -265,9 +278,22 @@ impl ContactModel {
     }
 }
 
-/// Closest point of the facet's extended surface by Newton's method from its centre; `None` without convergence.
-fn project(shape: &ShapeFunctions<2>, r_s: [f64; 3], nodes: &[[f64; 3]]) -> Option<[f64; 2]> {
-    let mut xi = [0.0; 2];
+fn centre(kind: FaceKind) -> [f64; 2] {
+    if kind == FaceKind::Tri6 { [1.0 / 3.0; 2] } else { [0.0; 2] }
+}
+
+/// How far (ξ, η) lies outside the facet; negative inside.
+fn excess(kind: FaceKind, &[xi, eta]: &[f64; 2]) -> f64 {
+    let over_sides = match kind {
+        FaceKind::Tri6 => [-xi, -eta, xi + eta - 1.0],
+        _ => [xi.abs() - 1.0, eta.abs() - 1.0, -1.0],
+    };
+    over_sides.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Closest point of the facet's extended surface by Newton's method from `start`; `None` without convergence.
+fn project(shape: &ShapeFunctions<2>, start: [f64; 2], r_s: [f64; 3], nodes: &[[f64; 3]]) -> Option<[f64; 2]> {
+    let mut xi = start;
     for _ in 0..PROJECTION_ITERATIONS {
         let step = projection_step(shape, r_s, nodes, &xi);
         xi = [xi[0] + step[0], xi[1] + step[1]];
@@ -292,12 +318,13 @@ mod tests {
         let pushed = displacement(&problem.mesh, |[x, y, z]| {
             if x < 1.05 { [x + 0.3 + 0.02 * y, y, z + 0.1 * x] } else { [x + 0.05 * z - 0.03 * y, y + 0.02 * z, z] }
         });
-        pushed.iter().zip(noise(pushed.len(), 0.03)).map(|(a, b)| a + b).collect()
+        // With 0.03 one of tet10's points changes its facet within the differences of the derivatives' check.
+        pushed.iter().zip(noise(pushed.len(), 0.025)).map(|(a, b)| a + b).collect()
     }
 
     #[test]
     fn derivatives_in_an_active_state() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             for method in METHODS {
                 let problem = two_blocks(formulation, method, true);
                 let (model, u) = (ContactModel::new(&problem).unwrap(), pushed(&problem));
@@ -332,7 +359,7 @@ mod tests {
     /// A rigid plane pressed in by δ: energy ½ k δ² A, whichever way the facets are cut.
     #[test]
     fn flat_walls_pressed_into_each_other_store_half_k_delta_squared_per_area() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             for method in METHODS {
                 let problem = two_blocks(formulation, method, true);
                 let model = ContactModel::new(&problem).unwrap();
@@ -341,7 +368,8 @@ mod tests {
                 let (u, exact) = (push(0.35), 0.5 * 4.0 * 0.25_f64.powi(2) * 4.0);
                 assert!((model.energy(&u) - exact).abs() < 1e-12, "{}", model.energy(&u));
                 assert!(model.points(&u).iter().all(|p| (p.gap + 0.25).abs() < 1e-12));
-                let expected = if method == ContactMethod::MultiPoint { 64 } else { 4 };
+                let facets = problem.contact_pairs[0].slave.len();
+                let expected = if method == ContactMethod::MultiPoint { 16 * facets } else { facets };
                 assert_eq!(model.points(&u).len(), expected);
             }
         }

@@ -6,6 +6,7 @@
 //! such as the symmetry plane y = 0 of the half model. For any other plane across an axis, give that axis the weight 0.
 
 use nalgebra::{DMatrix, DVector};
+use pneuflex_mesh::FaceKind;
 use pneuflex_model::Problem;
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, vector};
@@ -40,7 +41,7 @@ pub struct AirModel {
 impl AirModel {
     /// Air behind the problem's pressure facets, with the volume weights `axes` (a, b, c); see [`CLOSED`].
     ///
-    /// The rules are exact: 2×2 points on quad4, 3×3 on quad8 and quad9.
+    /// The rules are exact: 2×2 points on quad4, 3×3 on quad8 and quad9, 3×3 collapsed on tri6.
     ///
     /// # Errors
     /// An element family without a formulation.
@@ -48,7 +49,11 @@ impl AirModel {
         let mesh = &problem.mesh;
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
         let shape = ShapeFunctions::of_face(mesh.face_kind()).ok_or(wrong)?;
-        let rule = quadrature::tensor(if mesh.kind.is_quadratic() { 3 } else { 2 });
+        let rule = match mesh.face_kind() {
+            FaceKind::Quad4 => quadrature::tensor(2),
+            FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(3),
+            FaceKind::Tri6 => quadrature::collapsed(3),
+        };
         let mut terms = Vec::new();
         for &facet in &problem.pressure_facets {
             for (xi, weight) in &rule {
@@ -95,7 +100,7 @@ mod tests {
 
     #[test]
     fn air_of_the_half_model_has_its_volume_at_rest_and_under_affine_maps() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             let problem = two_chambers([8.0, 9.0, 8.0], 2.0, formulation, ContactMethod::None);
             let air = AirModel::new(&problem, CLOSED).unwrap();
             // Two cavities, the channel's open part below them and its roofed part between them.
@@ -128,7 +133,7 @@ mod tests {
 
     #[test]
     fn derivatives_in_a_deformed_state() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27] {
+        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [2, 1, 1], 0.05);
             let mut problem = body(mesh, formulation, material(pneuflex_model::Invariant::Isochoric));
             problem.pressure_facets = problem.mesh.boundary_facets()[1..4].to_vec();

@@ -1,4 +1,4 @@
-//! Gauss–Legendre rules by the method of Golub and Welsch: eigenvalues of the Jacobi matrix.
+//! Gauss–Legendre rules by the method of Golub and Welsch: eigenvalues of the Jacobi matrix; rules on simplices.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -50,6 +50,39 @@ pub fn irons() -> Vec<([f64; 3], f64)> {
     on_axes.chain(on_diagonals).collect()
 }
 
+/// The tensor rule on [0, 1]ᵈ, collapsed onto the unit simplex: d = 2 or 3.
+///
+/// The map (s, t, u) ↦ (s, t (1 − s), u (1 − s)(1 − t)) has the determinant (1 − s)ᵈ⁻¹ (1 − t)ᵈ⁻²: with `n` points per
+/// direction, polynomials up to degree 2n − d are integrated exactly. First coordinate fastest.
+pub fn collapsed<const DIM: usize>(n: usize) -> Vec<([f64; DIM], f64)> {
+    tensor::<DIM>(n)
+        .into_iter()
+        .map(|(x, weight)| {
+            // What is left of the unit after the coordinates so far.
+            let (mut rest, mut point, mut weight) = (1.0, [0.0; DIM], weight);
+            for d in 0..DIM {
+                let share = 0.5 * (1.0 + x[d]);
+                weight *= 0.5 * rest;
+                point[d] = share * rest;
+                rest *= 1.0 - share;
+            }
+            (point, weight)
+        })
+        .collect()
+}
+
+/// Four points on the unit tetrahedron's medians, of degree 2.
+///
+/// At centroid + τ (corner − centroid) with equal weights, constants and linear functions are integrated for any τ by
+/// symmetry. The mean of x² is 1/10; that of the points is 1/16 + 3 τ²/16: τ = 1/√5. (Products x y follow, as the
+/// barycentric coordinates add up to one.)
+pub fn tetrahedron_of_degree_2() -> Vec<([f64; 3], f64)> {
+    let tau = 0.2_f64.sqrt();
+    let at = |corner: usize| std::array::from_fn(|d| 0.25 + tau * (if corner == d { 0.75 } else { -0.25 }));
+    // Corner 3 is the origin: none of the coordinates is one there.
+    [3, 0, 1, 2].map(|corner| (at(corner), 1.0 / 24.0)).to_vec()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,6 +95,21 @@ mod tests {
                 let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
                 assert!((sum - exact).abs() < 1e-13, "n = {n}, degree {degree}: {sum}");
             }
+        }
+        // ∫ xⁱ yʲ zᵏ = i! j! k! / (i + j + k + 3)!
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (rule, degree) in [(collapsed::<3>(3), 3), (tetrahedron_of_degree_2(), 2)] {
+            for (i, j, k) in (0..=degree)
+                .flat_map(|i| (0..=degree - i).flat_map(move |j| (0..=degree - i - j).map(move |k| (i, j, k))))
+            {
+                let sum: f64 = rule.iter().map(|&([x, y, z], w)| w * x.powi(i) * y.powi(j) * z.powi(k)).sum();
+                let exact = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3);
+                assert!((sum - exact).abs() < 1e-14, "x^{i} y^{j} z^{k}");
+            }
+        }
+        for (i, j) in (0..=4).flat_map(|i| (0..=4 - i).map(move |j| (i, j))) {
+            let sum: f64 = collapsed::<2>(3).iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
+            assert!((sum - factorial(i) * factorial(j) / factorial(i + j + 2)).abs() < 1e-14);
         }
         let volume: f64 = tensor::<3>(2).iter().map(|&(x, w)| w * x[0].powi(2) * x[1].powi(2)).sum();
         assert!((volume - 8.0 / 9.0).abs() < 1e-13);

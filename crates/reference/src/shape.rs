@@ -2,6 +2,7 @@
 //!
 //! Every family on [−1, 1]ᵈ is spanned by the monomials ξᵃ ηᵇ ζᶜ with exponents up to 2 of which at most `q` may be 2:
 //! q = 0 gives hex8 and quad4, q = 1 the serendipity families hex20 and quad8, q = d the full ones hex27 and quad9.
+//! tet10 and tri6 on the unit simplex are spanned by the monomials of total degree up to 2.
 //! Nᵢ(ξⱼ) = δᵢⱼ then fixes the coefficients: the inverse of the Vandermonde matrix of the nodes.
 
 use nalgebra::DMatrix;
@@ -17,45 +18,60 @@ pub struct ShapeFunctions<const DIM: usize> {
     coefficients: DMatrix<f64>,
 }
 
+/// Which monomials with exponents up to 2 span a family.
+#[derive(Clone, Copy)]
+enum Span {
+    /// Those with at most so many squares.
+    Squares(usize),
+    /// Those of total degree up to 2.
+    TotalDegree2,
+}
+
 impl ShapeFunctions<3> {
-    /// Shape functions of a solid element; `None` for tetrahedra, which no formulation uses.
+    /// Shape functions of a solid element; `None` if they are not determined by the nodes.
     pub fn of_element(kind: ElementKind) -> Option<Self> {
-        let quadratic = match kind {
-            ElementKind::Hex8 => 0,
-            ElementKind::Hex20 => 1,
-            ElementKind::Hex27 => 3,
-            ElementKind::Tet10 => return None,
+        let span = match kind {
+            ElementKind::Hex8 => Span::Squares(0),
+            ElementKind::Hex20 => Span::Squares(1),
+            ElementKind::Hex27 => Span::Squares(3),
+            ElementKind::Tet10 => Span::TotalDegree2,
         };
-        Self::from_nodes(&kind.reference_nodes(), quadratic)
+        Self::from_nodes(&kind.reference_nodes(), span)
     }
 }
 
 impl ShapeFunctions<2> {
-    /// Shape functions of a face; `None` for triangles.
+    /// Shape functions of a face; `None` if they are not determined by the nodes.
     pub fn of_face(kind: FaceKind) -> Option<Self> {
-        let quadratic = match kind {
-            FaceKind::Quad4 => 0,
-            FaceKind::Quad8 => 1,
-            FaceKind::Quad9 => 2,
-            FaceKind::Tri6 => return None,
+        let span = match kind {
+            FaceKind::Quad4 => Span::Squares(0),
+            FaceKind::Quad8 => Span::Squares(1),
+            FaceKind::Quad9 => Span::Squares(2),
+            FaceKind::Tri6 => Span::TotalDegree2,
         };
         // Corners, mid-edges in the order of the corners, centre.
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let corners: &[[f64; 2]] = match kind {
+            FaceKind::Tri6 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            _ => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        };
         let mut nodes = corners.to_vec();
-        nodes.extend((0..4).map(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        nodes.extend((0..corners.len()).map(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
             [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
         }));
         nodes.push([0.0, 0.0]);
-        Self::from_nodes(&nodes[..kind.num_nodes()], quadratic)
+        Self::from_nodes(&nodes[..kind.num_nodes()], span)
     }
 }
 
 impl<const DIM: usize> ShapeFunctions<DIM> {
-    fn from_nodes(nodes: &[[f64; DIM]], quadratic: usize) -> Option<Self> {
+    fn from_nodes(nodes: &[[f64; DIM]], span: Span) -> Option<Self> {
         let exponents: Vec<[usize; DIM]> = (0..3_usize.pow(DIM as u32))
             .map(|code| std::array::from_fn(|d| code / 3_usize.pow(d as u32) % 3))
-            .filter(|exponents| exponents.iter().filter(|&&e| e == 2).count() <= quadratic)
+            .filter(|exponents| match span {
+                Span::Squares(most) => exponents.iter().filter(|&&e| e == 2).count() <= most,
+                Span::TotalDegree2 => exponents.iter().sum::<usize>() <= 2,
+            })
             .collect();
         let vandermonde = DMatrix::from_fn(exponents.len(), nodes.len(), |m, i| {
             (0..DIM).map(|d| nodes[i][d].powi(exponents[m][d] as i32)).product()
@@ -119,7 +135,7 @@ mod tests {
 
     #[test]
     fn shape_functions_are_one_at_their_node_and_sum_to_one() {
-        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27] {
+        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
             let shape = ShapeFunctions::of_element(kind).unwrap();
             for (j, node) in kind.reference_nodes().iter().enumerate() {
                 for (i, value) in shape.values(node).iter().enumerate() {
@@ -129,17 +145,16 @@ mod tests {
             let sum: f64 = shape.values(&[0.3, -0.2, 0.7]).iter().sum();
             assert!((sum - 1.0).abs() < 1e-13);
         }
-        assert!(ShapeFunctions::of_element(ElementKind::Tet10).is_none());
     }
 
     #[test]
     fn a_face_is_the_trace_of_its_element() {
-        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27] {
+        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
             let (shape, face) =
                 (ShapeFunctions::of_element(kind).unwrap(), ShapeFunctions::of_face(kind.face_kind()).unwrap());
             let nodes = kind.reference_nodes();
-            for local in 0..6 {
-                let on_face = face.values(&[0.3, -0.6]);
+            for local in 0..kind.num_faces() {
+                let on_face = face.values(&[0.3, 0.6]);
                 let ids = kind.face_nodes(local);
                 let point: [f64; 3] =
                     std::array::from_fn(|d| ids.iter().zip(&on_face).map(|(&n, v)| v * nodes[n][d]).sum());
@@ -153,10 +168,10 @@ mod tests {
 
     #[test]
     fn derivatives_match_finite_differences() {
-        let (shape, h) = (ShapeFunctions::of_face(FaceKind::Quad9).unwrap(), 1e-5_f64);
-        let xi = [0.31, -0.47];
-        for orders in [[0, 0], [1, 0], [0, 1]] {
-            for d in 0..2 {
+        let (h, xi) = (1e-5_f64, [0.31, -0.47]);
+        for kind in [FaceKind::Quad9, FaceKind::Tri6] {
+            let shape = ShapeFunctions::of_face(kind).unwrap();
+            for (orders, d) in [[0, 0], [1, 0], [0, 1]].into_iter().flat_map(|orders| [(orders, 0), (orders, 1)]) {
                 let (mut low, mut high, mut next) = (xi, xi, orders);
                 low[d] -= h;
                 high[d] += h;

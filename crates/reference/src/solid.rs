@@ -14,9 +14,12 @@
 //! | `hex8-q1p0` | 2×2×2 | 2×2×2 | 1 |
 //! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
+//! | `tet10` | 4 | 3×3×3, collapsed | 1 |
 //!
 //! Π is quadratic in p. Its stationary value is the primal energy: with θᵢ = Σ w ψᵢ (J − 1) and Mᵢⱼ = Σ w ψᵢ ψⱼ it is
 //! p = κ M⁻¹ θ and Σ φ + ½ κ θᵀ M⁻¹ θ, that is ½ κ (J_C − 1)² Vₑ for `hex8-sri` and ½ κ (J̄ − 1)² Vₑ for `hex8-q1p0`.
+//! For `tet10`, a part κ_f = min(2 C₁₀, κ/2) of κ is taken out of the p² term and put at the deviatoric points as
+//! ½ κ_f (J − 1)²; the primal energy is then ½ κ (J̄ − 1)² Vₑ + ½ κ_f Σ w (J − J̄)².
 //! The derivatives of the primal energy follow by eliminating p from those of Π, exactly.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
@@ -32,6 +35,7 @@ use crate::shape::ShapeFunctions;
 #[derive(Clone, Debug)]
 struct SaddlePoint {
     material: Material,
+    fluctuation_modulus: f64,
     // Weights of the two parts of Π at this point, mm³.
     deviatoric: f64,
     volumetric: f64,
@@ -43,9 +47,11 @@ impl Energy<10> for SaddlePoint {
         let mut energy = D::from(0.0);
         if self.deviatoric > 0.0 {
             energy += deviatoric(&self.material, &g) * self.deviatoric;
+            let dilatation = jacobian(&g) - 1.0;
+            energy += dilatation * dilatation * (0.5 * self.fluctuation_modulus * self.deviatoric);
         }
         if self.volumetric > 0.0 {
-            let complementary = p * p / (2.0 * self.material.bulk_modulus);
+            let complementary = p * p / (2.0 * (self.material.bulk_modulus - self.fluctuation_modulus));
             energy += (p * (jacobian(&g) - 1.0) - complementary) * self.volumetric;
         }
         energy
@@ -84,7 +90,7 @@ impl SolidModel {
         }
         let shape = ShapeFunctions::of_element(kind).ok_or(wrong)?;
         let pressures_per_element = match problem.formulation {
-            Formulation::Hex8Sri | Formulation::Hex8Q1p0 => 1,
+            Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
             Formulation::Hex20 | Formulation::Hex27 => 4,
         };
         let elements = (0..problem.mesh.num_elements())
@@ -98,7 +104,7 @@ impl SolidModel {
         self.num_dofs
     }
 
-    /// Number of pressures: 1 per hex8, 4 per hex20 and hex27.
+    /// Number of pressures: 1 per hex8 and tet10, 4 per hex20 and hex27.
     pub fn num_pressures(&self) -> usize {
         self.pressures_per_element * self.elements.len()
     }
@@ -257,7 +263,8 @@ fn build_element(
         let jacobian = Matrix3::from_fn(|i, j| positions.iter().zip(&gradients).map(|(x, g)| x[i] * g[j]).sum());
         (gradients, jacobian)
     };
-    let volume = quadrature::tensor(2).iter().map(|(xi, w)| w * geometry(xi).1.determinant()).sum::<f64>();
+    // Used by hex8-sri only, whose Jacobian determinant these points integrate exactly.
+    let volume = || quadrature::tensor(2).iter().map(|(xi, w)| w * geometry(xi).1.determinant()).sum::<f64>();
 
     let mut terms = Vec::new();
     for (xi, weight, is_deviatoric, is_volumetric) in rule(problem.formulation) {
@@ -281,9 +288,13 @@ fn build_element(
         }
         let offset = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let w =
-            if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume } else { weight * determinant };
+            if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume() } else { weight * determinant };
         let energy = SaddlePoint {
             material: problem.material.clone(),
+            fluctuation_modulus: match problem.formulation {
+                Formulation::Tet10 => (2.0 * problem.material.c10).min(0.5 * problem.material.bulk_modulus),
+                _ => 0.0,
+            },
             deviatoric: if is_deviatoric { w } else { 0.0 },
             volumetric: if is_volumetric { w } else { 0.0 },
         };
@@ -303,6 +314,11 @@ fn rule(formulation: Formulation) -> Vec<RulePoint> {
         Formulation::Hex8Q1p0 => points(2, true, true),
         Formulation::Hex20 => quadrature::irons().into_iter().map(|(xi, w)| (xi, w, true, true)).collect(),
         Formulation::Hex27 => points(3, true, true),
+        Formulation::Tet10 => {
+            let deviatoric = quadrature::tetrahedron_of_degree_2().into_iter().map(|(xi, w)| (xi, w, true, false));
+            let volumetric = quadrature::collapsed(3).into_iter().map(|(xi, w)| (xi, w, false, true));
+            deviatoric.chain(volumetric).collect()
+        }
     }
 }
 
@@ -345,15 +361,18 @@ mod tests {
     #[test]
     fn primal_energy_is_the_one_in_the_text() {
         for formulation in FORMULATIONS {
-            let mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
+            let mut mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
+            // One element: of the cube's tetrahedra, the first.
+            mesh.connectivity.truncate(mesh.kind.num_nodes());
             let stretched = displacement(&mesh, |[x, y, z]| [1.1 * x, y + 0.2 * z, 1.05 * z]);
             let u: Vec<f64> = stretched.iter().zip(noise(stretched.len(), 0.05)).map(|(a, b)| a + b).collect();
+            // Both moduli are large enough for κ_f not to depend on them.
             let energy = |bulk_modulus| {
                 let material = Material { bulk_modulus, ..Material::default() };
                 SolidModel::new(&body(mesh.clone(), formulation, material)).unwrap().energy(&u)
             };
             // Linear in κ: the difference is the volumetric energy for Δκ.
-            let volumetric = energy(3.0) - energy(1.0);
+            let volumetric = energy(5.0) - energy(3.0);
             let shape = ShapeFunctions::of_element(mesh.kind).unwrap();
             let order = if mesh.kind.is_quadratic() { 3 } else { 2 };
             let volumes = |xi: &[f64; 3]| {
@@ -367,7 +386,11 @@ mod tests {
                 };
                 (determinant(0.0), determinant(1.0))
             };
-            let rule = quadrature::tensor(order);
+            let rule = match formulation {
+                Formulation::Tet10 => quadrature::collapsed(3),
+                Formulation::Hex20 => quadrature::irons(),
+                _ => quadrature::tensor(order),
+            };
             let sum = |f: &dyn Fn(&[f64; 3], f64, f64) -> f64| -> f64 {
                 rule.iter()
                     .map(|(xi, w)| {
@@ -382,7 +405,9 @@ mod tests {
                     let (before, after) = volumes(&[0.0; 3]);
                     (after / before - 1.0).powi(2) * volume
                 }
-                Formulation::Hex8Q1p0 => (sum(&|_, _, after| after) / volume - 1.0).powi(2) * volume,
+                Formulation::Hex8Q1p0 | Formulation::Tet10 => {
+                    (sum(&|_, _, after| after) / volume - 1.0).powi(2) * volume
+                }
                 _ => {
                     let psi = |i: usize, xi: &[f64; 3]| if i == 0 { 1.0 } else { xi[i - 1] };
                     let theta = DVector::from_fn(4, |i, _| sum(&|xi, before, after| psi(i, xi) * (after - before)));

@@ -5,8 +5,8 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Invariant, Material, Problem, Support};
 
-pub const FORMULATIONS: [Formulation; 4] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
+pub const FORMULATIONS: [Formulation; 5] =
+    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 
 pub fn material(invariant: Invariant) -> Material {
@@ -71,7 +71,8 @@ pub fn two_blocks(formulation: Formulation, method: ContactMethod, shifted: bool
     mesh.nodes.extend(right.nodes);
     let side = |x: f64| mesh.select_facets(|point| (point[0] - x).abs() < 1e-9);
     let contact_pairs = vec![ContactPair { name: "gap".into(), slave: side(1.0), master: side(1.1) }];
-    assert_eq!((contact_pairs[0].slave.len(), contact_pairs[0].master.len()), (4, 4));
+    let per_cell = if formulation == Formulation::Tet10 { 2 } else { 1 };
+    assert_eq!((contact_pairs[0].slave.len(), contact_pairs[0].master.len()), (4 * per_cell, 4 * per_cell));
     let problem = body(mesh, formulation, Material::default());
     Problem { contact: Contact { method, ..Contact::default() }, contact_pairs, ..problem }
 }

@@ -86,7 +86,7 @@ fn elements() {
                 if is_carried {
                     solid.update_pressures(&u, &correction);
                 }
-                for element in 0..2 {
+                for element in 0..solid.num_blocks() {
                     let mut block = LocalBlock::default();
                     block.reset(solid.nodes(element).len(), Request::Tangent);
                     solid.evaluate(element, &u, Request::Tangent, &mut block).unwrap();
@@ -130,7 +130,7 @@ fn free_part(matrix: &DMatrix<f64>, problem: &Problem) -> DMatrix<f64> {
 
 #[test]
 fn pressure() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27] {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let problem = coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None);
         let mut pressure = Pressure::new(&problem.mesh, &problem.pressure_facets);
         pressure.pressure = 0.3;
@@ -165,7 +165,7 @@ fn two_blocks(formulation: Formulation, method: ContactMethod) -> Problem {
 
 #[test]
 fn contact() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27] {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         for (method, least) in [(ContactMethod::SinglePoint, 3), (ContactMethod::MultiPoint, 40)] {
             let problem = two_blocks(formulation, method);
             let n = problem.mesh.num_nodes();
@@ -375,6 +375,8 @@ fn path_of_quadratic_elements() {
         (Formulation::Hex20, Invariant::Full, [8.0, 5.0, 5.0]),
         (Formulation::Hex20, Invariant::Isochoric, [8.0, 9.0, 8.0]),
         (Formulation::Hex27, Invariant::Full, [8.0, 9.0, 8.0]),
+        (Formulation::Tet10, Invariant::Full, [8.0, 9.0, 8.0]),
+        (Formulation::Tet10, Invariant::Isochoric, [8.0, 9.0, 8.0]),
     ] {
         let problem = actuator_problem(&actuator, size, formulation, invariant, ContactMethod::None);
         let pressures = [10.0, 20.0];
