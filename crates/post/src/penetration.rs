@@ -1,7 +1,7 @@
 //! How far facing walls pass through each other, measured independently of the contact's own points.
 //!
-//! Every slave facet is sampled at the centres of 12 × 12 equal cells of its reference square, and each sample is
-//! projected on the deformed master surface. Facets that are certainly further away than the smallest gap found so far
+//! Every slave facet is sampled at the centres of 12 × 12 equal cells of its reference square or triangle, and each
+//! sample is projected on the deformed master surface. Facets that are certainly further away than the smallest gap found so far
 //! are left out: the distance to a surface changes by no more than the way one moves.
 
 use pneuflex_mesh::Facet;
@@ -9,7 +9,7 @@ use pneuflex_model::{ContactPair, Problem};
 
 use crate::error::{PostError, check};
 use crate::search::{Closest, Surface};
-use crate::surface::Patch;
+use crate::surface::{Patch, cell_centre};
 use crate::vector::{norm, sub};
 
 /// Samples along each direction of a facet.
@@ -74,7 +74,7 @@ fn gap(problem: &Problem, pair: &ContactPair, displacement: &[f64]) -> GapPenetr
     let mut hint = None;
     for &facet in &pair.slave {
         let patch = Patch::new(&problem.mesh, facet, Some(displacement));
-        if let Some(closest) = master.closest(patch.at([0.0; 2]).position, hint) {
+        if let Some(closest) = master.closest(patch.centre(), hint) {
             hint = Some(closest.facet);
             found.min_gap_mm = found.min_gap_mm.min(closest.signed_distance);
             centres.push((closest.signed_distance, patch, facet, closest.facet));
@@ -83,7 +83,7 @@ fn gap(problem: &Problem, pair: &ContactPair, displacement: &[f64]) -> GapPenetr
     // Near facets first: the others are then ruled out by their centres.
     centres.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
     for (distance, patch, facet, near) in centres {
-        let centre = patch.at([0.0; 2]).position;
+        let centre = patch.centre();
         // Bilinear faces lie within their corners' reach; quadratic ones a little beyond.
         let radius = 1.25 * patch.nodes().iter().map(|n| norm(sub(*n, centre))).fold(0.0, f64::max);
         if distance - radius > found.min_gap_mm.max(0.0) {
@@ -96,17 +96,17 @@ fn gap(problem: &Problem, pair: &ContactPair, displacement: &[f64]) -> GapPenetr
 
 fn sample(problem: &Problem, master: &Surface, patch: &Patch, facet: Facet, near: usize, found: &mut GapPenetration) {
     let reference = Patch::new(&problem.mesh, facet, None);
+    let cell = patch.kind().reference_area() / (SAMPLES * SAMPLES) as f64;
     let mut hint = near;
     for i in 0..SAMPLES {
         for j in 0..SAMPLES {
-            let xi = [i, j].map(|k| (2 * k + 1) as f64 / SAMPLES as f64 - 1.0);
+            let xi = cell_centre(patch.kind(), SAMPLES, [i, j]);
             let Some(Closest { facet, signed_distance, .. }) = master.closest(patch.at(xi).position, Some(hint)) else {
                 continue;
             };
             hint = facet;
             found.min_gap_mm = found.min_gap_mm.min(signed_distance);
             if signed_distance < 0.0 {
-                let cell = 4.0 / (SAMPLES * SAMPLES) as f64;
                 found.penetrating_area_mm2 += cell * norm(reference.at(xi).area_vector);
             }
         }
@@ -116,7 +116,8 @@ fn sample(problem: &Problem, master: &Surface, patch: &Patch, facet: Facet, near
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{displacement_of, two_chambers};
+    use crate::testing::{displacement_of, two_chambers, with_formulation};
+    use pneuflex_model::Formulation;
 
     #[test]
     fn at_rest_the_gap_is_its_width() {
@@ -138,6 +139,15 @@ mod tests {
         // 10 mm × 5 mm, and the part of the slanted row between z = 7 and 8 that is beyond 2 mm: one ninth of it.
         let area = found.penetrating_area_mm2();
         assert!((area - (50.0 + 10.0 / 9.0)).abs() < 0.4, "{area}");
+    }
+
+    #[test]
+    fn walls_of_triangles_are_measured_alike() {
+        let problem = with_formulation(3.0, Formulation::Tet10);
+        let u = displacement_of(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 }, 0.0, 0.0]);
+        let found = measure(&problem, &u).unwrap();
+        assert!((found.max_penetration_mm() - 0.1).abs() < 1e-12, "{found:?}");
+        assert!((found.penetrating_area_mm2() - 90.0).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::Problem;
 
-use crate::surface::{Bounds, Patch, Projection};
+use crate::surface::{Bounds, Patch, Projection, edge_distances, edges};
 use crate::vector::Vec3;
 
 /// A deformed surface that can be asked for its closest point.
 pub(crate) struct Surface {
     patches: Vec<Patch>,
-    /// For every patch whether the surface ends at its edges ξ = −1, ξ = 1, η = −1, η = 1.
+    /// For every patch whether the surface ends at its edges, in the order of [`edges`].
     open_edges: Vec<[bool; 4]>,
     tree: Vec<Branch>,
     /// Patches in the order of the tree's leaves.
@@ -41,6 +41,9 @@ pub(crate) struct Closest {
 
 const LEAF: usize = 4;
 
+/// Reference points this near an edge are on it: rounding keeps sums of coordinates from being exact.
+const ON_EDGE: f64 = 1e-12;
+
 impl Surface {
     /// The surface of some facets in a deformed state.
     ///
@@ -64,7 +67,7 @@ impl Surface {
         }
         let mut best: Option<(usize, Projection)> = None;
         if let Some(facet) = hint {
-            best = Some((facet, self.patches[facet].closest(point, [0.0; 2])));
+            best = Some((facet, self.patches[facet].closest(point)));
         }
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
@@ -81,7 +84,7 @@ impl Surface {
                     if best.is_some_and(|(_, p)| self.patches[facet].bounds().distance(point) > p.distance) {
                         continue;
                     }
-                    let candidate = self.patches[facet].closest(point, [0.0; 2]);
+                    let candidate = self.patches[facet].closest(point);
                     if best.is_none_or(|(f, p)| is_better((facet, &candidate), (f, &p))) {
                         best = Some((facet, candidate));
                     }
@@ -100,8 +103,7 @@ impl Surface {
         if projection.normal_distance >= 0.0 {
             return projection.distance;
         }
-        let [x, y] = projection.xi;
-        let at = [x <= -1.0, x >= 1.0, y <= -1.0, y >= 1.0];
+        let at = edge_distances(self.patches[facet].kind(), projection.xi).map(|distance| distance <= ON_EDGE);
         let ends_here = at.iter().zip(&self.open_edges[facet]).any(|(at, open)| *at && *open);
         let beside = projection.normal_distance.abs() < projection.distance * std::f64::consts::FRAC_1_SQRT_2;
         if ends_here && beside { projection.distance } else { -projection.distance }
@@ -138,9 +140,6 @@ fn grow(tree: &mut Vec<Branch>, order: &mut [u32], first: u32, bounds: &[Bounds]
     grow(tree, high, first + middle as u32, bounds);
 }
 
-/// Corners at the ends of the edges ξ = −1, ξ = 1, η = −1, η = 1 of a quadrilateral.
-const EDGES: [[usize; 2]; 4] = [[3, 0], [1, 2], [0, 1], [2, 3]];
-
 fn open_edges(problem: &Problem, facets: &[Facet]) -> Vec<[bool; 4]> {
     let mesh: &Mesh = &problem.mesh;
     let mirror: Vec<bool> = {
@@ -152,20 +151,24 @@ fn open_edges(problem: &Problem, facets: &[Facet]) -> Vec<[bool; 4]> {
         }
         on_plane
     };
-    let edges = |facet: Facet| -> [[u32; 2]; 4] {
+    let edges_of = |facet: Facet| -> Vec<[u32; 2]> {
         let nodes = mesh.facet_nodes(facet);
-        EDGES.map(|[a, b]| [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])])
+        edges(mesh.face_kind()).iter().map(|&[a, b]| [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])]).collect()
     };
     let mut uses: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for &facet in facets {
-        for edge in edges(facet) {
+        for edge in edges_of(facet) {
             *uses.entry(edge).or_default() += 1;
         }
     }
     facets
         .iter()
         .map(|&facet| {
-            edges(facet).map(|edge| uses[&edge] == 1 && !(mirror[edge[0] as usize] && mirror[edge[1] as usize]))
+            let mut open = [false; 4];
+            for (open, edge) in open.iter_mut().zip(edges_of(facet)) {
+                *open = uses[&edge] == 1 && !(mirror[edge[0] as usize] && mirror[edge[1] as usize]);
+            }
+            open
         })
         .collect()
 }

@@ -9,10 +9,11 @@
 //! | formulation | volumetric pressure | volumetric energy |
 //! |---|---|---|
 //! | `hex8-sri` | κ (J_C − 1), J_C at the element's centre | ½ κ (J_C − 1)² V |
-//! | `hex8-q1p0` | κ (J̄ − 1), J̄ = deformed / reference volume | ½ κ (J̄ − 1)² V |
+//! | `hex8-q1p0`, `tet10` | κ (J̄ − 1), J̄ = deformed / reference volume | ½ κ (J̄ − 1)² V |
 //! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
 //!
-//! (theory §3; design §3.1). The stress is taken at the points of the deviatoric rule, where the law is evaluated by
+//! On `tet10` a part κ_f of κ ([`Formulation::fluctuation_modulus`]) acts on J itself: the pressure is
+//! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3; design §3.1.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
 //! the solver too.
 
 use pneuflex_material_yeoh::{Kinematics, Yeoh};
@@ -50,7 +51,7 @@ pub struct StressField {
     pub points_per_element: usize,
     /// Strain energy of the body, N·mm = mJ.
     pub strain_energy: f64,
-    /// Integration points of an element on the reference cube, in the order of `points`.
+    /// Integration points of an element in reference coordinates, in the order of `points`.
     reference_points: Vec<[f64; 3]>,
 }
 
@@ -80,8 +81,10 @@ fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<Tabulated> {
 /// The rule of the deviatoric energy.
 fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
     match formulation {
-        Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Hex20 => quadrature::hexahedron(2),
+        Formulation::Hex8Sri | Formulation::Hex8Q1p0 => quadrature::hexahedron(2),
+        Formulation::Hex20 => quadrature::hexahedron_14(),
         Formulation::Hex27 => quadrature::hexahedron(3),
+        Formulation::Tet10 => quadrature::tetrahedron_4(),
     }
 }
 
@@ -107,10 +110,12 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
     check("displacement", displacement, problem.num_dofs())?;
     let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
     let law = Yeoh::new(&problem.material);
-    let kappa = problem.material.bulk_modulus;
+    let fluctuation_modulus = problem.formulation.fluctuation_modulus(&problem.material);
+    let kappa = problem.material.bulk_modulus - fluctuation_modulus;
     let deviatoric = tabulate(kind, deviatoric_rule(problem.formulation));
     let volumetric = match problem.formulation {
         Formulation::Hex8Sri => tabulate(kind, quadrature::hexahedron(1)),
+        Formulation::Hex20 => tabulate(kind, quadrature::hexahedron_14()),
         _ => tabulate(kind, quadrature::volume(kind)),
     };
 
@@ -126,7 +131,7 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
                 let p = kappa * volume[0].kinematics.jacobian_minus_1;
                 ([p, 0.0, 0.0, 0.0], 0.5 * p * p / kappa * v)
             }
-            Formulation::Hex8Q1p0 => {
+            Formulation::Hex8Q1p0 | Formulation::Tet10 => {
                 let v: f64 = volume.iter().map(|s| s.volume).sum();
                 let change: f64 = volume.iter().map(|s| s.volume * s.kinematics.jacobian_minus_1).sum();
                 let p = kappa * change / v;
@@ -136,7 +141,10 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
         };
         strain_energy += volumetric_energy;
         for (point, state) in deviatoric.iter().zip(&states) {
-            let p = linear_modes(point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>();
+            let excess = state.kinematics.jacobian_minus_1;
+            let p = linear_modes(point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>()
+                + fluctuation_modulus * excess;
+            strain_energy += 0.5 * fluctuation_modulus * excess * excess * state.volume;
             let s = law.cauchy_stress(&state.kinematics);
             let stress = [s[0][0] + p, s[1][1] + p, s[2][2] + p, s[0][1], s[1][2], s[0][2]];
             let mut position = [0.0; 3];
@@ -282,7 +290,7 @@ impl StressField {
     }
 
     /// Cauchy stress at every node, MPa: the trilinear field fitted to an element's integration points by least squares
-    /// (through them for the 2×2×2 rule), evaluated at the element's nodes and averaged over the elements at a node with
+    /// (through them for the 2×2×2 rule), on tetrahedra the linear field through the four points, evaluated at the element's nodes and averaged over the elements at a node with
     /// their reference volumes as weights. For pictures: at interfaces and re-entrant edges it smooths.
     pub fn at_nodes(&self, problem: &Problem) -> Vec<SymmetricTensor> {
         let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
@@ -305,9 +313,12 @@ impl StressField {
 
     /// Values at the nodes from values at the integration points, one row per node.
     ///
-    /// The eight monomials of the trilinear field are orthogonal over a tensor-product rule with symmetric points, so
+    /// The eight monomials of the trilinear field are orthogonal over points symmetric about the coordinate planes, so
     /// each coefficient of the fit is a plain projection.
     fn extrapolation(&self, kind: ElementKind) -> Vec<Vec<f64>> {
+        if kind == ElementKind::Tet10 {
+            return self.extrapolation_on_tetrahedron();
+        }
         let squares: [f64; 8] =
             std::array::from_fn(|k| self.reference_points.iter().map(|xi| monomials(*xi)[k].powi(2)).sum());
         kind.reference_nodes()
@@ -326,6 +337,17 @@ impl StressField {
     }
 }
 
+impl StressField {
+    /// The four points lie on the lines from the centroid to the corners, a share τ of the way: with barycentric
+    /// coordinates λ, the weight of point i is 1/4 + (λᵢ − 1/4)/τ.
+    fn extrapolation_on_tetrahedron(&self) -> Vec<Vec<f64>> {
+        let barycentric = |[x, y, z]: [f64; 3]| [1.0 - x - y - z, x, y, z];
+        let tau = (barycentric(self.reference_points[0])[0] - 0.25) / 0.75;
+        let weights = |node: [f64; 3]| barycentric(node).iter().map(|l| 0.25 + (l - 0.25) / tau).collect();
+        ElementKind::Tet10.reference_nodes().into_iter().map(weights).collect()
+    }
+}
+
 fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
     [1.0, x, y, z, x * y, y * z, x * z, x * y * z]
 }
@@ -335,7 +357,8 @@ mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
 
-    const ALL: [Formulation; 4] = [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27];
+    const ALL: [Formulation; 5] =
+        [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
 
     /// An affine map: every formulation has the same homogeneous stress and energy.
     #[test]
@@ -403,11 +426,13 @@ mod tests {
     }
 
     #[test]
-    fn extrapolation_reproduces_trilinear_fields() {
+    fn extrapolation_reproduces_trilinear_fields_and_linear_ones_on_tetrahedra() {
         for formulation in ALL {
             let problem = with_formulation(3.0, formulation);
             let field = recover(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
-            let function = |x: [f64; 3]| 1.0 + x[0] - 2.0 * x[1] * x[2] + 0.5 * x[0] * x[1] * x[2];
+            let bent = if formulation == Formulation::Tet10 { 0.0 } else { 1.0 };
+            let function =
+                |x: [f64; 3]| 1.0 + x[0] - 2.0 * x[2] + bent * (0.5 * x[0] * x[1] * x[2] - 2.0 * x[1] * x[2]);
             let values: Vec<f64> = field.reference_points.iter().map(|&xi| function(xi)).collect();
             for (row, node) in field.extrapolation(problem.mesh.kind).iter().zip(problem.mesh.kind.reference_nodes()) {
                 let value: f64 = row.iter().zip(&values).map(|(m, v)| m * v).sum();

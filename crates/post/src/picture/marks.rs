@@ -5,7 +5,7 @@ use pneuflex_model::Problem;
 use crate::error::{PostError, check};
 use crate::penetration::SAMPLES;
 use crate::search::Surface;
-use crate::surface::{Patch, SurfacePoint};
+use crate::surface::{Patch, SurfacePoint, cell_centre};
 use crate::vector::{Vec3, norm, sub};
 
 use super::view::unit;
@@ -64,7 +64,7 @@ fn sample(problem: &Problem, displacement: &[f64], limit: f64) -> Result<Vec<(us
         let mut hint = None;
         for &facet in &pair.slave {
             let patch = Patch::new(&problem.mesh, facet, Some(displacement));
-            let centre = patch.at([0.0; 2]).position;
+            let centre = patch.centre();
             if let Some(closest) = master.closest(centre, hint) {
                 hint = Some(closest.facet);
                 let reach = 1.25 * patch.nodes().iter().map(|n| norm(sub(*n, centre))).fold(0.0, f64::max);
@@ -81,7 +81,7 @@ fn sample(problem: &Problem, displacement: &[f64], limit: f64) -> Result<Vec<(us
             let mut hint = closest.facet;
             for i in 0..SAMPLES {
                 for j in 0..SAMPLES {
-                    let xi = [i, j].map(|k| (2 * k + 1) as f64 / SAMPLES as f64 - 1.0);
+                    let xi = cell_centre(patch.kind(), SAMPLES, [i, j]);
                     let SurfacePoint { position, area_vector } = patch.at(xi);
                     if let Some(here) = master.closest(position, Some(hint)) {
                         hint = here.facet;

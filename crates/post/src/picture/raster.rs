@@ -1,9 +1,12 @@
 //! Hidden surfaces by a depth buffer.
 
+use pneuflex_mesh::FaceKind;
+
 use super::colour_map::viridis;
 use super::skin::{Face, Skin, triangle_normal};
 use super::view::{Camera, Seen};
 use crate::drawing::{Colour, Image};
+use crate::surface::edge_distances;
 use crate::vector::{Vec3, dot};
 
 /// What part of the plane of the picture is shown: x to the right, y up, mm.
@@ -140,10 +143,18 @@ fn shade(face: &Face, carried: [f64; 5], gradients: [[f64; 2]; 2], paint: &Paint
     let mut colour = Colour::BLACK.towards(base, light);
     let norm = |g: [f64; 2]| (g[0] * g[0] + g[1] * g[1]).sqrt().max(1e-12);
     let [per_xi, per_eta] = gradients.map(norm);
-    // Distance from the sides of the face in samples; sides in the order of `Face::is_edge`.
-    let distance = [(1.0 + eta) / per_eta, (1.0 - xi) / per_xi, (1.0 - eta) / per_eta, (1.0 + xi) / per_xi];
+    // Distance from the sides of the face in samples: reference distance over its change per sample.
+    let (per_edge, width) = match face.kind {
+        FaceKind::Tri6 => {
+            let per_sum = norm(std::array::from_fn(|k| gradients[0][k] + gradients[1][k]));
+            ([per_eta, per_sum, per_xi, 1.0], 1.0)
+        }
+        _ => ([per_eta, per_xi, per_eta, per_xi], 2.0),
+    };
+    let reference = edge_distances(face.kind, [xi, eta]);
+    let distance: [f64; 4] = std::array::from_fn(|edge| reference[edge] / per_edge[edge]);
     // Lines of small elements fade, lest they cover the colours.
-    let smallest = (2.0 / per_xi).min(2.0 / per_eta) / SAMPLES as f64;
+    let smallest = (width / per_xi).min(width / per_eta) / SAMPLES as f64;
     let fade = ((smallest - 2.0) / 8.0).clamp(0.0, 1.0);
     let half = 0.5 * paint.edge_width * SAMPLES as f64;
     let mut line: f64 = 0.0;

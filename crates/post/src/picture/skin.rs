@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{FaceKind, shape};
 use pneuflex_model::Problem;
 
-use crate::surface::{Bounds, Patch};
+use crate::surface::{Bounds, Patch, edges};
 use crate::vector::{Vec3, cross, dot, norm, sub};
 
 use super::view::unit;
@@ -26,11 +26,13 @@ pub(crate) struct Vertex {
 /// A face of the boundary.
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
-    /// Corners of the pieces, `pieces + 1` along each direction, ξ running fastest.
+    /// Family of the face.
+    pub kind: FaceKind,
+    /// Corners of the pieces, `pieces + 1` along each direction (on triangles one fewer from row to row), ξ running fastest.
     pub vertices: Vec<Vertex>,
     /// Pieces along each direction.
     pub pieces: usize,
-    /// Whether the body has an edge of its own at η = −1, ξ = 1, η = 1, ξ = −1; otherwise it goes on smoothly.
+    /// Whether the body has an edge of its own at each edge (in the order of [`edges`]); otherwise it goes on smoothly.
     pub is_edge: [bool; 4],
 }
 
@@ -54,20 +56,19 @@ impl Skin {
         let mesh = &problem.mesh;
         let nodes = mesh.num_nodes() as u32;
         let on_plane: Vec<bool> = mesh.nodes.iter().map(|x| mirrored && x[1].abs() < 1e-9).collect();
-        let pieces = if mesh.face_kind() == FaceKind::Quad4 { 3 } else { 6 };
-        let table: Vec<([f64; 2], _)> = (0..=pieces)
-            .flat_map(|j| (0..=pieces).map(move |i| [i, j].map(|k| 2.0 * k as f64 / pieces as f64 - 1.0)))
-            .map(|xi| (xi, shape::evaluate_face(mesh.face_kind(), xi)))
-            .collect();
+        let kind = mesh.face_kind();
+        let pieces = if kind == FaceKind::Quad4 { 3 } else { 6 };
+        let table: Vec<([f64; 2], _)> =
+            grid(kind, pieces).into_iter().map(|xi| (xi, shape::evaluate_face(kind, xi))).collect();
         let mut faces = Vec::new();
-        let mut edges: BTreeMap<[u32; 2], Vec<(usize, usize, Vec3)>> = BTreeMap::new();
+        let mut meeting: BTreeMap<[u32; 2], Vec<(usize, usize, Vec3)>> = BTreeMap::new();
         for facet in mesh.boundary_facets() {
             let numbers = mesh.facet_nodes(facet);
             if numbers.iter().all(|&n| on_plane[n as usize]) {
                 continue;
             }
             let patch = Patch::new(mesh, facet, Some(displacement));
-            let rest = unit(Patch::new(mesh, facet, None).at([0.0; 2]).area_vector);
+            let rest = unit(Patch::new(mesh, facet, None).at(kind.centre()).area_vector);
             for half in 0..if mirrored { 2 } else { 1 } {
                 let side = if half == 0 { 1.0 } else { -1.0 };
                 let turned = |[x, y, z]: Vec3| [x, side * y, z];
@@ -83,19 +84,19 @@ impl Skin {
                     })
                     .collect();
                 let corner = |i: usize| {
-                    let n = numbers[i % 4];
+                    let n = numbers[i];
                     if half == 1 && !on_plane[n as usize] { n + nodes } else { n }
                 };
-                for edge in 0..4 {
-                    let mut key = [corner(edge), corner(edge + 1)];
+                for (edge, corners) in edges(kind).iter().enumerate() {
+                    let mut key = corners.map(corner);
                     key.sort_unstable();
-                    edges.entry(key).or_default().push((faces.len(), edge, turned(rest)));
+                    meeting.entry(key).or_default().push((faces.len(), edge, turned(rest)));
                 }
-                faces.push(Face { vertices, pieces, is_edge: [false; 4] });
+                faces.push(Face { kind, vertices, pieces, is_edge: [false; 4] });
             }
         }
         let limit = CREASE_DEG.to_radians().cos();
-        for sharing in edges.values() {
+        for sharing in meeting.values() {
             let is_smooth = sharing.len() == 2 && dot(sharing[0].2, sharing[1].2) > limit;
             for &(face, edge, _) in sharing {
                 faces[face].is_edge[edge] = !is_smooth;
@@ -115,9 +116,45 @@ impl Skin {
     }
 }
 
+/// Reference coordinates of the corners of the pieces, in the order of [`Face::vertices`].
+fn grid(kind: FaceKind, pieces: usize) -> Vec<[f64; 2]> {
+    let rows = (0..=pieces).flat_map(|j| {
+        let last = if kind == FaceKind::Tri6 { pieces - j } else { pieces };
+        (0..=last).map(move |i| [i, j])
+    });
+    rows.map(|at| {
+        at.map(|k| {
+            let share = k as f64 / pieces as f64;
+            if kind == FaceKind::Tri6 { share } else { 2.0 * share - 1.0 }
+        })
+    })
+    .collect()
+}
+
 impl Face {
     /// The pieces as triangles of vertex numbers, turned like the face.
-    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+    pub fn triangles(&self) -> Vec<[usize; 3]> {
+        if self.kind == FaceKind::Tri6 { self.pieces_of_triangle() } else { self.pieces_of_quadrilateral().collect() }
+    }
+
+    fn pieces_of_triangle(&self) -> Vec<[usize; 3]> {
+        let mut pieces = Vec::new();
+        let mut start = 0;
+        for length in (1..=self.pieces).rev() {
+            // This row has `length` + 1 vertices, the next one `length`.
+            let next = start + length + 1;
+            for i in 0..length {
+                pieces.push([start + i, start + i + 1, next + i]);
+                if i + 1 < length {
+                    pieces.push([start + i + 1, next + i + 1, next + i]);
+                }
+            }
+            start = next;
+        }
+        pieces
+    }
+
+    fn pieces_of_quadrilateral(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
         let n = self.pieces;
         (0..n).flat_map(move |j| (0..n).map(move |i| j * (n + 1) + i)).flat_map(move |a| {
             let [b, c, d] = [a + 1, a + n + 2, a + n + 1];
@@ -139,7 +176,8 @@ pub(crate) fn triangle_normal(corners: [Vec3; 3]) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::two_chambers;
+    use crate::testing::{two_chambers, with_formulation};
+    use pneuflex_model::Formulation;
 
     /// ⅓ ∮ r·n dS over the triangles of the skin.
     fn volume(skin: &Skin) -> f64 {
@@ -147,14 +185,15 @@ mod tests {
             let [a, b, c] = t.map(|i| face.vertices[i].position);
             dot(a, cross(b, c)) / 6.0
         };
-        skin.faces.iter().map(|f| f.triangles().map(|t| triangle(f, t)).sum::<f64>()).sum()
+        skin.faces.iter().map(|f| f.triangles().into_iter().map(|t| triangle(f, t)).sum::<f64>()).sum()
     }
 
     #[test]
     fn the_skin_is_closed_and_looks_outwards() {
-        let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
-        assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
+        for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet10)] {
+            let zero = vec![0.0; problem.num_dofs()];
+            assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
+        }
     }
 
     #[test]
