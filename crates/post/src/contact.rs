@@ -16,6 +16,8 @@ pub struct ContactState {
     pub points_active: usize,
     /// Reference area these points stand for, mm².
     pub area_mm2: f64,
+    /// Energy of the penalty, ½ k Σ wᵢ dᵢ² over these points, mJ.
+    pub penalty_energy_mj: f64,
     /// Force of the contact on every facet of every pair's slave and master wall, N.
     pub facet_force: Vec<[Vec<[f64; 3]>; 2]>,
     /// Signed distance of every node of the walls from the opposite wall, mm; `None` away from the walls.
@@ -33,6 +35,7 @@ pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState,
     let mut state = ContactState {
         points_active: 0,
         area_mm2: 0.0,
+        penalty_energy_mj: 0.0,
         facet_force: (problem.contact_pairs.iter())
             .map(|pair| [&pair.slave, &pair.master].map(|wall| vec![[0.0; 3]; wall.len()]))
             .collect(),
@@ -48,8 +51,10 @@ pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState,
     for block in model.search(&positions) {
         state.points_active += block.points.len();
         state.area_mm2 += block.points.iter().map(|p| p.area).sum::<f64>();
+        let evaluated = evaluate_block(&model, &block, &positions, false);
+        state.penalty_energy_mj += evaluated.energy;
         // The force is the negative gradient of the contact's energy.
-        let gradient = evaluate_block(&model, &block, &positions, false).residual;
+        let gradient = evaluated.residual;
         let per_face = gradient.len() / 2;
         for (side, face) in [block.slave_face, block.master_face].into_iter().enumerate() {
             let force = &mut state.facet_force[block.pair][side][face];
@@ -126,6 +131,8 @@ mod tests {
             let state = evaluate(&problem, &pushed(&problem)).unwrap();
             assert_eq!(state.points_active, points, "{method:?}");
             assert!((state.area_mm2 - 90.0).abs() < 1e-9);
+            // ½ k δ² A.
+            assert!((state.penalty_energy_mj - 0.5 * 4.0 * 0.01 * 90.0).abs() < 1e-9);
             let mut sum = [0.0; 2];
             for side in 0..2 {
                 for force in &state.facet_force[0][side] {

@@ -71,6 +71,8 @@ pub struct ContactSummary {
     pub points_active: usize,
     /// Reference area of these points, mm².
     pub area_mm2: f64,
+    /// Energy of the contact's penalty, mJ.
+    pub penalty_energy_mj: f64,
     /// Largest depth by which walls pass through each other, from dense sampling of the deformed faces, mm.
     pub max_penetration_mm: f64,
     /// Slave area behind the master walls, from dense sampling, mm².
@@ -143,6 +145,7 @@ pub fn describe(
         contact: ContactSummary {
             points_active: contact.points_active,
             area_mm2: contact.area_mm2,
+            penalty_energy_mj: contact.penalty_energy_mj,
             max_penetration_mm: penetration.max_penetration_mm(),
             penetrating_area_mm2: penetration.penetrating_area_mm2(),
             gaps_in_contact: penetration.gaps_in_contact(),
