@@ -1,7 +1,11 @@
 //! VTK XML files: unstructured grids (`.vtu`) and their time series (`.pvd`).
 //!
 //! Arrays are written inline as base64 of little-endian numbers behind a 64-bit byte count, uncompressed: what every
-//! reader of the format understands. Node numbering of the mesh crate is VTK's own.
+//! reader of the format understands. Node numbering of the mesh crate is VTK's own. [`Grid::from_vtu`] reads them back.
+
+mod read;
+
+pub use read::VtuError;
 
 use std::fmt::Write;
 
@@ -32,7 +36,7 @@ pub struct Field {
     /// Name shown by viewers.
     pub name: String,
     /// Names of the components, as many as there are; empty for a scalar.
-    pub components: Vec<&'static str>,
+    pub components: Vec<String>,
     /// Values, components running fastest.
     pub values: Vec<f64>,
 }
@@ -45,12 +49,13 @@ impl Field {
 
     /// A vector field with components x, y, z.
     pub fn vector(name: &str, values: Vec<f64>) -> Self {
-        Self { name: name.into(), components: vec!["x", "y", "z"], values }
+        Self { name: name.into(), components: ["x", "y", "z"].map(String::from).into(), values }
     }
 
     /// A symmetric tensor field, components in VTK's order.
     pub fn symmetric_tensor(name: &str, values: Vec<f64>) -> Self {
-        Self { name: name.into(), components: vec!["xx", "yy", "zz", "xy", "yz", "xz"], values }
+        let components = ["xx", "yy", "zz", "xy", "yz", "xz"].map(String::from).into();
+        Self { name: name.into(), components, values }
     }
 
     fn width(&self) -> usize {
