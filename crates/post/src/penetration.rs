@@ -4,7 +4,7 @@
 //! sample is projected on the deformed master surface. Facets that are certainly further away than the smallest gap found so far
 //! are left out: the distance to a surface changes by no more than the way one moves.
 
-use pneuflex_mesh::Facet;
+use pneuflex_mesh::{FaceKind, Facet};
 use pneuflex_model::{ContactPair, Problem};
 
 use crate::error::{PostError, check};
@@ -67,6 +67,36 @@ pub fn measure(problem: &Problem, displacement: &[f64]) -> Result<Penetration, P
     Ok(Penetration { gaps: pairs.map(|pair| gap(problem, pair, displacement)).collect() })
 }
 
+/// Reference positions of the samples of slave walls that lie behind the master wall, mm: where walls touch.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn touching(problem: &Problem, displacement: &[f64]) -> Result<Vec<[f64; 3]>, PostError> {
+    check("displacement", displacement, problem.num_dofs())?;
+    let mut found = Vec::new();
+    for pair in &problem.contact_pairs {
+        let master = Surface::new(problem, &pair.master, displacement);
+        let mut hint = None;
+        for &facet in &pair.slave {
+            let patch = Patch::new(&problem.mesh, facet, Some(displacement));
+            let reference = Patch::new(&problem.mesh, facet, None);
+            for xi in sample_points(patch.kind()) {
+                let closest = master.closest(patch.at(xi).position, hint);
+                hint = closest.map(|c| c.facet).or(hint);
+                if closest.is_some_and(|c| c.signed_distance < 0.0) {
+                    found.push(reference.at(xi).position);
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Reference coordinates of a facet's samples.
+fn sample_points(kind: FaceKind) -> impl Iterator<Item = [f64; 2]> {
+    (0..SAMPLES).flat_map(move |i| (0..SAMPLES).map(move |j| cell_centre(kind, SAMPLES, [i, j])))
+}
+
 fn gap(problem: &Problem, pair: &ContactPair, displacement: &[f64]) -> GapPenetration {
     let master = Surface::new(problem, &pair.master, displacement);
     let mut found = GapPenetration { name: pair.name.clone(), min_gap_mm: f64::INFINITY, penetrating_area_mm2: 0.0 };
@@ -98,17 +128,14 @@ fn sample(problem: &Problem, master: &Surface, patch: &Patch, facet: Facet, near
     let reference = Patch::new(&problem.mesh, facet, None);
     let cell = patch.kind().reference_area() / (SAMPLES * SAMPLES) as f64;
     let mut hint = near;
-    for i in 0..SAMPLES {
-        for j in 0..SAMPLES {
-            let xi = cell_centre(patch.kind(), SAMPLES, [i, j]);
-            let Some(Closest { facet, signed_distance, .. }) = master.closest(patch.at(xi).position, Some(hint)) else {
-                continue;
-            };
-            hint = facet;
-            found.min_gap_mm = found.min_gap_mm.min(signed_distance);
-            if signed_distance < 0.0 {
-                found.penetrating_area_mm2 += cell * norm(reference.at(xi).area_vector);
-            }
+    for xi in sample_points(patch.kind()) {
+        let Some(Closest { facet, signed_distance, .. }) = master.closest(patch.at(xi).position, Some(hint)) else {
+            continue;
+        };
+        hint = facet;
+        found.min_gap_mm = found.min_gap_mm.min(signed_distance);
+        if signed_distance < 0.0 {
+            found.penetrating_area_mm2 += cell * norm(reference.at(xi).area_vector);
         }
     }
 }
@@ -139,6 +166,10 @@ mod tests {
         // 10 mm × 5 mm, and the part of the slanted row between z = 7 and 8 that is beyond 2 mm: one ninth of it.
         let area = found.penetrating_area_mm2();
         assert!((area - (50.0 + 10.0 / 9.0)).abs() < 0.4, "{area}");
+        // The same samples, where they are at rest: on the left wall above z = 7.
+        let touching = touching(&problem, &u).unwrap();
+        assert!((touching.len() as f64 / (SAMPLES * SAMPLES) as f64 - area).abs() < 1e-9);
+        assert!(touching.iter().all(|x| (x[0] - 8.0).abs() < 1e-9 && x[2] > 7.0));
     }
 
     #[test]
