@@ -518,7 +518,11 @@ impl Tornado {
         for (i, bar) in bars.iter().enumerate() {
             let y = top + 4.0 + i as f64 * ROW;
             drawing.text(&bar.name, [left - 8.0, y + 0.5 * ROW + 4.0], TEXT, Anchor::End);
-            for (value, colour) in [(bar.lowered, low_colour), (bar.raised, high_colour)] {
+            let mut halves = [(bar.lowered, low_colour), (bar.raised, high_colour)];
+            // Both may lie on one side: the shorter one is drawn over the longer one.
+            let length = |half: &(Option<f64>, Colour)| half.0.map_or(0.0, |v| (v - self.centre).abs());
+            halves.sort_by(|a, b| length(b).total_cmp(&length(a)));
+            for (value, colour) in halves {
                 let Some(value) = value else { continue };
                 let x = area.to([value, 0.0])[0];
                 drawing.rectangle([x.min(middle), y + 4.0], [(x - middle).abs(), ROW - 8.0], None, Some(colour));

@@ -302,8 +302,9 @@ impl Layout {
     ) -> Result<(), PostError> {
         let corner = [left, self.top];
         drawing.text(&panel.title, [left, self.top - 8.0], HEADING, Anchor::Start);
-        self.draw_frame(drawing, figure, scene, &self.frame, self.scale, corner, self.panel)?;
-        let Some(inset) = panel.inset else { return Ok(()) };
+        let Some(inset) = panel.inset else {
+            return self.draw_frame(drawing, figure, scene, &self.frame, self.scale, corner, self.panel);
+        };
         let seen = self.camera.see(inset);
         let size = [self.panel[0], self.inset_height];
         let scale = size[0] / figure.inset_width.max(1e-6);
@@ -314,11 +315,13 @@ impl Layout {
         let to = |p: [f64; 2]| to_drawing(&self.frame, self.scale, corner, p);
         let (a, b) = (to([frame.low[0], frame.high[1]]), to([frame.high[0], frame.low[1]]));
         let thin = Stroke::solid(GREY, 0.8);
+        // The body hides them: lines across it would look like its edges.
+        drawing.line(&[[a[0], b[1]], at], thin.clone());
+        drawing.line(&[[b[0], b[1]], [at[0] + size[0], at[1]]], thin);
+        self.draw_frame(drawing, figure, scene, &self.frame, self.scale, corner, self.panel)?;
         self.draw_frame(drawing, figure, scene, &frame, scale, at, size)?;
         drawing.rectangle(at, size, Some(Stroke::solid(GREY, 1.0)), None);
         drawing.rectangle(a, [b[0] - a[0], b[1] - a[1]], Some(Stroke::solid(INK, 1.2)), None);
-        drawing.line(&[[a[0], b[1]], at], thin.clone());
-        drawing.line(&[[b[0], b[1]], [at[0] + size[0], at[1]]], thin);
         let text = format!("{:.1} × enlarged, {:.0} mm wide", scale / self.scale, figure.inset_width);
         let [w, h] = [text_width(&text, SMALL) + 10.0, SMALL + 8.0];
         drawing.rectangle([at[0], at[1] + size[1] - h], [w, h], None, Some(Colour::WHITE));
@@ -384,8 +387,13 @@ impl Layout {
             let length = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|l| *l <= wanted).unwrap_or(power);
             let right = MARGIN + self.panel[0] - 6.0;
             let (y, left) = (self.top + self.panel[1] - 8.0, right - length * self.scale);
+            let text = format!("{length} mm");
+            // On white, because the lines to an inset may pass here.
+            let wide = text_width(&text, SMALL).max(right - left) + 6.0;
+            let corner = [0.5 * (left + right - wide), y - SMALL - 6.0];
+            drawing.rectangle(corner, [wide, SMALL + 9.0], None, Some(Colour::WHITE));
             drawing.line(&[[left, y - 4.0], [left, y], [right, y], [right, y - 4.0]], Stroke::solid(INK, 1.2));
-            drawing.text(&format!("{length} mm"), [0.5 * (left + right), y - 5.0], SMALL, Anchor::Middle);
+            drawing.text(&text, [0.5 * (left + right), y - 5.0], SMALL, Anchor::Middle);
         }
     }
 }
