@@ -52,9 +52,12 @@ pub struct Cell {
     pub note: Option<String>,
 }
 
-/// The two-chamber piece of an actuator, without flanges.
+/// Two chambers of a long actuator, cut in the middle of the gaps on either side, through the base only.
+///
+/// The cuts are planes of symmetry of a long row, so that clamping one of them takes little away. Cut at the chambers'
+/// outer walls and clamped there, the cell bends 10 % less than a chamber within a row.
 pub fn cell_of(actuator: &Actuator) -> Actuator {
-    Actuator { chambers: 2, flange: 0.0, ..actuator.clone() }
+    Actuator { chambers: 2, flange: 0.5 * actuator.gap, ..actuator.clone() }
 }
 
 /// Takes the samples from the case's actuator.
@@ -62,15 +65,16 @@ pub fn cell_of(actuator: &Actuator) -> Actuator {
 /// # Errors
 /// Lengths that make no body, or a state that is not reached.
 pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, String> {
+    let cell = cell_of(&case.actuator);
     let problem = Problem::from_actuator(
-        &cell_of(&case.actuator),
+        &cell,
         &case.mesh.mesh_size(),
         case.mesh.element,
         case.material.clone(),
         case.contact.clone(),
     )
     .map_err(|e| e.to_string())?;
-    let gauge = Gauge::new(&case.actuator);
+    let gauge = Gauge::new(&cell);
     let mut samples = Samples::default();
 
     progress("cell without load");
@@ -138,7 +142,7 @@ struct Gauge {
 
 impl Gauge {
     fn new(actuator: &Actuator) -> Self {
-        let first = 0.5 * actuator.chamber_length;
+        let first = actuator.flange + 0.5 * actuator.chamber_length;
         Self {
             stations: [first, first + actuator.chamber_length + actuator.gap],
             base: actuator.base.min(actuator.floor()),
