@@ -1,8 +1,8 @@
 //! Repository tasks, run as `cargo xtask TASK`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod pictures;
 mod tidy;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -10,12 +10,13 @@ const USAGE: &str = "usage: cargo xtask TASK
 
 tasks:
   tidy      check the rules of this repository: arrows between crates, docs
-  pictures  solve the fixtures at 35 kPa and draw the pictures of README.md into docs/";
+  validate  the paper's figures and statements by the real program, as a report in target/validation
+            [--quick] [--measured FILE.csv] [--docs]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.first().map(String::as_str) {
-        Some("pictures") if arguments.len() == 1 => pictures::run(),
+        Some("validate") => validate::run(&arguments[1..]),
         Some("tidy") if arguments.len() == 1 => tidy::run(),
         _ => {
             eprintln!("{USAGE}");

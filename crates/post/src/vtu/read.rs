@@ -141,7 +141,7 @@ fn numbers<T, const N: usize>(
         return error("has no byte count".into());
     };
     let announced = u64::from_le_bytes(*head);
-    if announced != data.len() as u64 || data.len() % N != 0 {
+    if announced != data.len() as u64 || !data.len().is_multiple_of(N) {
         return error(format!("announces {announced} bytes and holds {}", data.len()));
     }
     let (chunks, _) = data.as_chunks::<N>();
@@ -159,7 +159,7 @@ fn from_base64(text: &str) -> Option<Vec<u8>> {
         _ => None,
     };
     let coded = text.as_bytes();
-    if coded.len() % 4 != 0 {
+    if !coded.len().is_multiple_of(4) {
         return None;
     }
     let padding = coded.iter().rev().take(2).take_while(|c| **c == b'=').count();
