@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material-yeoh", &["mesh", "model"]),
@@ -19,7 +19,8 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("rod", &[]),
     ("cli", &["mesh", "model", "newton", "post", "rod"]),
     ("benches", &["mesh", "model"]),
-    ("xtask", &["mesh", "model", "newton", "post", "rod"]),
+    ("verification", &["mesh", "model", "contact", "assembly", "factor", "newton", "post"]),
+    ("xtask", &["mesh", "model", "newton", "post", "rod", "verification"]),
 ];
 
 /// Libraries that a crate must not use, because of what it is for.

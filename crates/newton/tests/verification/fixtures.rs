@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use pneuflex_factor::BlockPattern;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
-use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver, Support};
+use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver};
 use pneuflex_newton::{Event, LandedState, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
@@ -28,14 +28,6 @@ pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem
         contact: Contact { method: ContactMethod::None, ..Contact::default() },
         contact_pairs: Vec::new(),
     }
-}
-
-/// Holds `axes` of the nodes that satisfy `predicate`.
-#[track_caller]
-pub fn hold(problem: &mut Problem, axes: [bool; 3], predicate: impl Fn([f64; 3]) -> bool) {
-    let nodes = problem.mesh.select_nodes(predicate);
-    assert!(!nodes.is_empty(), "a support that holds nothing");
-    problem.supports.push(Support { name: "test".into(), nodes, axes });
 }
 
 /// An actuator with the paper's material.

@@ -1,8 +1,7 @@
-//! The production path against the reference solver, against closed forms and against itself.
+//! The production path against the reference solver and against itself; closed forms are in `pneuflex-verification`.
 //!
 //! * [`cross_check`]: element, contribution, global residual and tangent, one Newton step, load path (design §2).
 //! * [`snapshots`]: what the two standard cases come out at, production and reference alike.
-//! * [`closed_forms`]: theory §9.
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`penetration`]: what the two contact variants let through.
 
@@ -10,7 +9,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod balance;
-mod closed_forms;
 mod cross_check;
 mod fixtures;
 mod penetration;

@@ -1,0 +1,94 @@
+//! Bodies, supports and solutions that the problems share.
+
+use pneuflex_mesh::{ElementKind, Mesh};
+use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver, Support};
+use pneuflex_newton::{Event, LandedState, Path, follow_path};
+
+/// All formulations.
+pub const FORMULATIONS: [Formulation; 5] =
+    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+
+/// Whether an element has strains of second order, so that half as many cells do. The constant pressure of `tet10` bounds
+/// its strains to first order, as those of the linear hexahedra.
+pub fn is_second_order(element: Formulation) -> bool {
+    matches!(element.element_kind(), ElementKind::Hex20 | ElementKind::Hex27)
+}
+
+/// The material of the paper with the isochoric invariant and a bulk modulus, MPa.
+pub fn material(bulk_modulus: f64) -> Material {
+    Material { bulk_modulus, invariant: Invariant::Isochoric, ..Material::default() }
+}
+
+/// A body without loads, supports and contact.
+pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem {
+    Problem {
+        mesh,
+        formulation,
+        material,
+        supports: Vec::new(),
+        pressure_facets: Vec::new(),
+        contact: Contact { method: ContactMethod::None, ..Contact::default() },
+        contact_pairs: Vec::new(),
+    }
+}
+
+/// Holds `axes` of the nodes that satisfy `predicate`.
+pub fn hold(problem: &mut Problem, name: &str, axes: [bool; 3], predicate: impl Fn([f64; 3]) -> bool) {
+    let nodes = problem.mesh.select_nodes(predicate);
+    problem.supports.push(Support { name: name.into(), nodes, axes });
+}
+
+/// Whether two coordinates are the same up to rounding.
+pub fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9
+}
+
+/// Displacements X ↦ r(X) − X, mm.
+pub fn displacement(mesh: &Mesh, deformed: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
+    let moved = |&x: &[f64; 3]| {
+        let r = deformed(x);
+        std::array::from_fn(|k| r[k] - x[k])
+    };
+    mesh.nodes.iter().map(moved).collect()
+}
+
+/// Three entries of a node out of a flat list.
+pub fn at(values: &[f64], node: u32) -> [f64; 3] {
+    std::array::from_fn(|k| values[3 * node as usize + k])
+}
+
+/// Equilibria under displacements of the supports, one after the other.
+///
+/// # Errors
+/// What kept the solver from converging.
+pub fn impose(problem: &Problem, stages: impl IntoIterator<Item = Vec<[f64; 3]>>) -> Result<Vec<LandedState>, String> {
+    let settings = Solver { tolerance: 1e-9, max_iterations: 40, ..Solver::default() };
+    let mut observer = |_: Event<'_>| ();
+    let mut path = Path::new(problem, &settings, &mut observer).map_err(|e| e.to_string())?;
+    stages.into_iter().map(|stage| path.impose(&stage).map_err(|cause| cause.to_string())).collect()
+}
+
+/// Equilibrium under a pressure, kPa, reached in ten equal steps that are all solved to the end: with a bulk modulus as large
+/// as here, steps on the way that are solved loosely lead to states from which there is no going on.
+///
+/// # Errors
+/// What kept the solver from converging.
+pub fn inflate(problem: &Problem, kpa: f64) -> Result<LandedState, String> {
+    let mut landed = Vec::new();
+    let mut observer = |event: Event<'_>| {
+        if let Event::Landed(state) = event {
+            landed.push(state.clone());
+        }
+    };
+    let pressures: Vec<f64> = (1..=10).map(|i| 0.1 * f64::from(i) * kpa).collect();
+    follow_path(problem, &pressures, &Solver::default(), &mut observer).map_err(|e| e.0.to_string())?;
+    last(landed)
+}
+
+/// The last of some states.
+///
+/// # Errors
+/// If there is none.
+pub fn last(states: Vec<LandedState>) -> Result<LandedState, String> {
+    states.into_iter().next_back().ok_or_else(|| "no state".into())
+}

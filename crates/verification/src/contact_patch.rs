@@ -1,0 +1,109 @@
+//! Two blocks with faces that do not match, pressed together.
+
+use pneuflex_mesh::Mesh;
+use pneuflex_mesh::lattice::Lattice;
+use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Problem};
+use pneuflex_post::stress;
+
+use crate::Effort;
+use crate::body::{FORMULATIONS, at, body, displacement, hold, impose, last, material, near};
+use crate::homogeneous::bar_stress;
+use crate::row::Row;
+use crate::yeoh::root;
+
+/// See [`crate::Section::text`].
+pub const TEXT: &str = "\
+Two blocks of 2 × 2 × 1 mm with different lattices across the contact (slave n × n, master (n + 1) × (n + 1) cells), on planes of symmetry, are \
+pressed together by 0.2 mm (multiple-point penalty, k = 20 N/mm³, κ = 1000 MPa). The exact state is homogeneous: both heights shrink to the stretch \
+s at which 2 (1 − s) 1 mm + p/k is the way, p being the nominal pressure of the bar. Quantities are p, MPa, and the largest \
+deviation of σ_zz from its mean over all integration points, relative to it. Matching faces pass to rounding. Faces that do not match \
+pass in the mean only: the pressure on the slave is uniform, but the master's nodal forces are sums over the slave's 4 × 4 points, which \
+do not integrate the master's shape functions exactly where they have kinks (El-Abbasi & Bathe 2001, *Comput. Struct.* 79). For one slave \
+face on two quadratic master faces these sums are off by 13 to 38 % at the nodes, and the stresses next to the faces follow them. A penalty with the slave's \
+own points cannot pass this test; a mortar method could. The deviation is therefore reported without a bound.";
+
+const STIFFNESS: f64 = 20.0;
+const WAY: f64 = 0.2;
+
+/// Rows of all elements.
+pub fn rows(effort: Effort) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for element in FORMULATIONS {
+        let meshes: [usize; 2] = if element.element_kind().is_quadratic() { [2, 4] } else { [4, 8] };
+        let describe = |n: &usize, m: usize| (format!("{n}² on {m}²"), *n as f64);
+        let differing = effort.of(&meshes);
+        let solved: Vec<Result<[f64; 3], String>> = differing.iter().map(|&n| press(element, n, n + 1)).collect();
+        for (name, bound) in
+            [("nominal pressure, non-matching faces", 0.01), ("largest deviation, non-matching faces", f64::INFINITY)]
+        {
+            let mut results = solved.iter();
+            rows.push(Row::sequence(
+                name,
+                element,
+                differing,
+                |n| describe(n, n + 1),
+                None,
+                bound,
+                |_| {
+                    let [pressure, exact, deviation] = results.next().cloned().unwrap_or(Err("not solved".into()))?;
+                    Ok(if bound.is_finite() { [pressure, exact] } else { [deviation, 0.0] })
+                },
+            ));
+        }
+        rows.push(Row::sequence(
+            "largest deviation, matching faces",
+            element,
+            &meshes[..1],
+            |n| describe(n, *n),
+            None,
+            1e-8,
+            |&n| Ok([press(element, n, n)?[2], 0.0]),
+        ));
+    }
+    rows
+}
+
+/// Nominal pressure measured and exact, MPa; largest relative deviation of σ_zz.
+fn press(formulation: Formulation, slave: usize, master: usize) -> Result<[f64; 3], String> {
+    let problem = blocks(formulation, slave, master);
+    let stages = (1..=4).map(|i| {
+        let way = 0.25 * WAY * f64::from(i);
+        displacement(&problem.mesh, |[x, y, z]| [x, y, if near(z, 2.0) { z - way } else { z }])
+    });
+    let state = last(impose(&problem, stages)?)?;
+    let top = problem.mesh.select_nodes(|x| near(x[2], 2.0));
+    let force: f64 = top.iter().map(|&node| at(&state.reaction, node)[2]).sum();
+    // The way grows as the stretch falls.
+    let stretch = root(0.8, 1.0, |s| WAY - 2.0 * (1.0 - s) + bar_stress(&problem.material, s) / STIFFNESS);
+
+    let field = stress::recover(&problem, &state.displacement).map_err(|e| e.to_string())?;
+    let volume: f64 = field.points.iter().map(|p| p.volume).sum();
+    let mean = field.points.iter().map(|p| p.volume * p.stress[2]).sum::<f64>() / volume;
+    let deviation = field.points.iter().fold(0.0, |worst: f64, p| worst.max((p.stress[2] / mean - 1.0).abs()));
+    Ok([-force / 4.0, -bar_stress(&problem.material, stretch), deviation])
+}
+
+/// The slave is the upper block; both stand on planes of symmetry in x and y.
+fn blocks(formulation: Formulation, slave: usize, master: usize) -> Problem {
+    let kind = formulation.element_kind();
+    let lower = Lattice::uniform([0.0; 3], [2.0, 2.0, 1.0], [master, master, 1]).mesh_all(kind);
+    let upper = Lattice::uniform([0.0, 0.0, 1.0], [2.0, 2.0, 2.0], [slave, slave, 1]).mesh_all(kind);
+    let shared = |mesh: &Mesh| mesh.select_facets(|x| near(x[2], 1.0));
+    let (of_lower, mut of_upper) = (shared(&lower), shared(&upper));
+    of_upper.iter_mut().for_each(|facet| facet.element += lower.num_elements() as u32);
+    let mut problem = body(joined(lower, &upper), formulation, material(1000.0));
+    problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness: STIFFNESS };
+    problem.contact_pairs = vec![ContactPair { name: "faces".into(), slave: of_upper, master: of_lower }];
+    hold(&mut problem, "x", [true, false, false], |x| near(x[0], 0.0));
+    hold(&mut problem, "y", [false, true, false], |x| near(x[1], 0.0));
+    hold(&mut problem, "ends", [false, false, true], |x| near(x[2], 0.0) || near(x[2], 2.0));
+    problem
+}
+
+/// Two meshes as one, not connected; the second one's nodes and elements come last.
+pub(crate) fn joined(mut first: Mesh, second: &Mesh) -> Mesh {
+    let shift = first.num_nodes() as u32;
+    first.connectivity.extend(second.connectivity.iter().map(|n| n + shift));
+    first.nodes.extend(&second.nodes);
+    first
+}

@@ -1,0 +1,89 @@
+//! Verification: problems with known solutions, solved on sequences of meshes by every element formulation.
+//!
+//! Each problem yields [`Row`]s: a measured quantity against its exact value, relative errors on successively finer meshes, and
+//! the order with which they fall. A row passes if its errors stay below its bound, which falls from mesh to mesh with the
+//! least order accepted; with three meshes or more, the fitted order must not be below that least order either.
+//! [`table::markdown`] makes `docs/verification.md` of them (`cargo xtask verification`).
+//!
+//! * [`homogeneous`]: uniaxial, equibiaxial, pure shear; bar of the compressible material.
+//! * [`tube`]: thick tube in plane strain under inner pressure.
+//! * [`torsion`]: solid cylinder.
+//! * [`sphere`]: thick sphere under inner pressure.
+//! * [`bending`]: Rivlin's flexure of a block.
+//! * [`manufactured`]: a chosen displacement field and the body force it needs.
+//! * [`contact_patch`]: two blocks with faces that do not match.
+//! * [`hertz`]: a sphere on a block.
+//!
+//! Exact solutions are those of incompressible Yeoh material and are derived where they are used; [`yeoh`] has its own formulas
+//! for the energy. Units: mm, N, MPa.
+
+pub mod bending;
+pub mod body;
+pub mod contact_patch;
+pub mod hertz;
+pub mod homogeneous;
+pub mod manufactured;
+pub mod row;
+pub mod sphere;
+pub mod table;
+pub mod torsion;
+pub mod tube;
+pub mod yeoh;
+
+pub use row::Row;
+
+/// How much is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// The two coarsest meshes of every sequence.
+    Quick,
+    /// All meshes.
+    Full,
+}
+
+impl Effort {
+    /// The meshes of a sequence, coarsest first, that are solved.
+    pub fn of<T>(self, meshes: &[T]) -> &[T] {
+        match self {
+            Self::Quick => &meshes[..meshes.len().min(2)],
+            Self::Full => meshes,
+        }
+    }
+}
+
+/// A group of rows with what they verify and where the exact solution comes from.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Heading.
+    pub title: &'static str,
+    /// Problem, source of the exact solution, remarks; Markdown.
+    pub text: &'static str,
+    /// Results.
+    pub rows: Vec<Row>,
+}
+
+/// A problem, before it is solved.
+type Problem = (&'static str, &'static str, fn(Effort) -> Vec<Row>);
+
+const PROBLEMS: [Problem; 8] = [
+    ("Homogeneous states", homogeneous::TEXT, homogeneous::rows),
+    ("Thick tube", tube::TEXT, tube::rows),
+    ("Torsion of a cylinder", torsion::TEXT, torsion::rows),
+    ("Inflation of a thick sphere", sphere::TEXT, sphere::rows),
+    ("Bending of a block", bending::TEXT, bending::rows),
+    ("Manufactured solutions", manufactured::TEXT, manufactured::rows),
+    ("Contact patch test", contact_patch::TEXT, contact_patch::rows),
+    ("Hertzian contact", hertz::TEXT, hertz::rows),
+];
+
+/// Solves all problems, telling `observe` about every row.
+pub fn run(effort: Effort, observe: &mut dyn FnMut(&Row)) -> Vec<Section> {
+    PROBLEMS
+        .into_iter()
+        .map(|(title, text, solve)| {
+            let rows = solve(effort);
+            rows.iter().for_each(&mut *observe);
+            Section { title, text, rows }
+        })
+        .collect()
+}
