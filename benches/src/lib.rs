@@ -21,7 +21,7 @@ pub fn two_chambers(formulation: Formulation, size: f64) -> Problem {
 
 fn problem(actuator: &Actuator, formulation: Formulation, size: f64) -> Problem {
     let invariant = if formulation == Formulation::Hex8Sri { Invariant::Full } else { Invariant::Isochoric };
-    let size = MeshSize { size: [size; 3], wall_elements: 1 };
+    let size = MeshSize::uniform(size);
     let material = Material { invariant, ..Material::default() };
     Problem::from_actuator(actuator, &size, formulation, material, Contact::default())
         .expect("the default lengths make a body")

@@ -90,7 +90,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
 #[test]
 fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
     for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
-        let size = MeshSize { size: [9.0; 3], wall_elements: 1 };
+        let size = MeshSize::uniform(9.0);
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();
         let mut pressure = Pressure::new(&mesh, mesh.facet_set("cavity"));
@@ -107,7 +107,7 @@ fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
 
 #[test]
 fn pressure_volume_is_the_cavity_and_follows_a_rigid_motion() {
-    let size = MeshSize { size: [2.0; 3], wall_elements: 1 };
+    let size = MeshSize::uniform(2.0);
     let mesh = build_actuator(&Actuator::two_chambers(), &size, Formulation::Hex20.element_kind()).unwrap();
     let pressure = Pressure::new(&mesh, mesh.facet_set("cavity"));
     let rest = vec![[0.0; 3]; mesh.num_nodes()];

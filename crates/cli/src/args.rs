@@ -25,6 +25,8 @@ pub enum Command {
     Check(CaseArguments),
     /// Write a commented case file to start from
     New(NewArguments),
+    /// Solve a case on finer and finer meshes, extrapolate, and report error bars
+    Converge(ConvergeArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
     Rod(RodArguments),
 }
@@ -53,6 +55,33 @@ pub struct RunArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Solve even if the estimated memory exceeds what is available
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `pneuflex converge`.
+#[derive(Debug, Args)]
+pub struct ConvergeArguments {
+    /// The case; its mesh is the coarsest.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Number of meshes; three are needed to see an order of convergence
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=6))]
+    pub levels: u8,
+    /// Ratio of the element sizes of two meshes
+    #[arg(long, value_name = "R", default_value_t = 1.4)]
+    pub ratio: f64,
+    /// Folder for converge.json and convergence.svg [default: out/NAME-converge for the case file NAME.toml]; what else it holds
+    /// is left alone
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of threads [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print nothing but the table and errors
     #[arg(long)]
     pub quiet: bool,
     /// Solve even if the estimated memory exceeds what is available

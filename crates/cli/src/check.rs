@@ -58,7 +58,7 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         "mesh      {} nodes, {} elements {}, {} unknowns",
         number(mesh.num_nodes()),
         number(mesh.num_elements()),
-        case.mesh.element,
+        case.mesh.formulation(),
         number(unknowns)
     )?;
     let material = &case.material;

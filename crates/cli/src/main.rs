@@ -2,7 +2,7 @@
 //!
 //! * [`args`]: the command line.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
-//! * [`check`], [`new`], [`run`], [`rod`]: the commands.
+//! * [`check`], [`converge`], [`new`], [`run`], [`rod`]: the commands.
 //! * [`folder`], [`recorder`], [`json`]: the output folder.
 //! * [`memory`], [`progress`]: estimates and progress.
 //!
@@ -11,6 +11,7 @@
 mod args;
 mod case_file;
 mod check;
+mod converge;
 mod error;
 mod folder;
 mod json;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
+        Command::Converge(arguments) => converge::converge(&arguments),
         Command::Rod(arguments) => rod::rod(&arguments),
     };
     match done {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pneuflex_mesh::ElementKind;
+use pneuflex_mesh::{ElementKind, MeshSize};
 use pneuflex_model::Case;
 
 use crate::error::InputError;
@@ -25,8 +25,13 @@ impl Estimate {
     /// by a share that falls like the surface does: fitted to the two default actuators from 4 to 0.25 mm, within 10 % up
     /// to 1 mm cells.
     pub fn of(case: &Case) -> Self {
-        let kind = case.mesh.element.element_kind();
-        let cells = case.actuator.estimate_cells(&case.mesh.mesh_size());
+        Self::of_size(case, &case.mesh.mesh_size(&case.actuator))
+    }
+
+    /// The same for other element sizes than the case's own.
+    pub fn of_size(case: &Case, size: &MeshSize) -> Self {
+        let kind = case.mesh.formulation().element_kind();
+        let cells = case.actuator.estimate_cells(size);
         let per_chamber = cells / case.actuator.chambers as f64;
         let (inside, surface) = match kind {
             ElementKind::Hex8 => (1.0, 5.8),
@@ -40,7 +45,7 @@ impl Estimate {
 
     /// Estimates a case whose mesh has the given numbers of elements and unknowns.
     pub fn of_mesh(case: &Case, elements: usize, unknowns: usize) -> Self {
-        let bytes = bytes(case.mesh.element.element_kind(), case.actuator.chambers, unknowns as f64);
+        let bytes = bytes(case.mesh.formulation().element_kind(), case.actuator.chambers, unknowns as f64);
         Self { elements: elements as f64, unknowns: unknowns as f64, bytes }
     }
 
@@ -63,7 +68,8 @@ impl Estimate {
         // A not-a-number or infinite estimate is refused too.
         let fits = self.bytes <= available;
         if !fits && !force {
-            let help = "choose a larger mesh.size, or --force to try all the same".to_owned();
+            let help =
+                "choose a coarser mesh.resolution or a larger mesh.size, or --force to try all the same".to_owned();
             return Err(InputError::new(format!("this case will not fit in memory: {text}")).help(Some(help)));
         }
         let is_large = !fits || self.bytes > 0.5 * available || self.elements >= 1e6;
@@ -125,7 +131,7 @@ pub fn thousands(value: u64) -> String {
 mod tests {
     use super::*;
     use pneuflex_mesh::{Actuator, build_actuator};
-    use pneuflex_model::{Contact, Formulation, Load, Material, MeshOptions, Output, Size, Solver};
+    use pneuflex_model::{Contact, Formulation, Load, Material, MeshOptions, Output, Solver};
 
     fn case(actuator: Actuator, mesh: MeshOptions) -> Case {
         Case {
@@ -154,7 +160,7 @@ mod tests {
             (full(), Formulation::Hex20, 1.0, 878_504.0),
             (two(), Formulation::Hex27, 1.0, 373_344.0),
         ] {
-            let mesh = MeshOptions { size: Size::Uniform(h), element, ..MeshOptions::default() };
+            let mesh = MeshOptions::uniform(h, element);
             let ratio = Estimate::of(&case(actuator, mesh)).bytes / (1024.0 * kibibytes);
             assert!((0.95..1.35).contains(&ratio), "{element} {h}: {ratio}");
         }
@@ -165,8 +171,8 @@ mod tests {
         for actuator in [Actuator::two_chambers(), Actuator::full()] {
             for element in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
                 for h in [1.0, 0.5] {
-                    let mesh = MeshOptions { size: Size::Uniform(h), element, ..MeshOptions::default() };
-                    let built = build_actuator(&actuator, &mesh.mesh_size(), element.element_kind()).unwrap();
+                    let mesh = MeshOptions::uniform(h, element);
+                    let built = build_actuator(&actuator, &mesh.mesh_size(&actuator), element.element_kind()).unwrap();
                     let case = case(actuator.clone(), mesh);
                     let (estimate, exact) = (Estimate::of(&case).unknowns, 3.0 * built.num_nodes() as f64);
                     assert!((estimate / exact - 1.0).abs() < 0.1, "{element} {h}: {estimate} for {exact}");

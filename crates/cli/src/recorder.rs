@@ -87,7 +87,7 @@ impl<'a> Recorder<'a> {
             nodes: problem.mesh.num_nodes(),
             elements: problem.mesh.num_elements(),
             unknowns: problem.num_unknowns(),
-            element: case.mesh.element.name(),
+            element: case.mesh.formulation().name(),
         };
         let summary = Summary {
             program: "pneuflex",
@@ -101,7 +101,8 @@ impl<'a> Recorder<'a> {
             iterations_total: 0,
             timing: RunTiming::default(),
         };
-        let resolved = toml::to_string(case).map_err(|e| format!("case.toml: {e}"))?;
+        let mesh = case.mesh.resolved(&case.actuator);
+        let resolved = toml::to_string(&Case { mesh, ..case.clone() }).map_err(|e| format!("case.toml: {e}"))?;
         let header = format!("{CASE_MARK} {}: the case as it was solved, with every default\n\n", summary.version);
         folder.write("case.toml", &(header + &resolved))?;
         let history = folder.create("history.jsonl")?;

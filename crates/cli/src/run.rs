@@ -22,6 +22,18 @@ pub enum Outcome {
     NotConverged,
 }
 
+/// Sets the number of threads, if one is given, for the whole program.
+///
+/// # Errors
+/// The threads cannot be started.
+pub fn use_threads(threads: Option<u16>) -> Result<(), InputError> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|e| InputError::new(format!("--threads {threads}: {e}")))
+}
+
 /// Solves a case.
 ///
 /// # Errors
@@ -29,12 +41,7 @@ pub enum Outcome {
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
     let warning = Estimate::of(&file.case).guard(arguments.force)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|e| InputError::new(format!("--threads {threads}: {e}")))?;
-    }
+    use_threads(arguments.threads)?;
     let default = || PathBuf::from("out").join(file.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
@@ -50,7 +57,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         file.path().display(),
         size[0],
         size[1],
-        file.case.mesh.element,
+        file.case.mesh.formulation(),
         size[2],
         folder.path().display()
     ));

@@ -40,6 +40,9 @@ fn line_of(start: &str) -> String {
     format!("case.toml:{}:", line + 1)
 }
 
+/// The template's choice of a mesh.
+const RESOLUTION: &str = "resolution = \"standard\"";
+
 fn replace(from: &'static str, to: &'static str) -> impl Fn(String) -> String {
     move |text| {
         assert!(text.contains(from), "{from}");
@@ -102,17 +105,17 @@ fn pressures_that_do_not_increase_or_are_not_finite() {
 
 #[test]
 fn mesh_size_zero() {
-    let place = line_of("size");
-    refused("zero", replace("size = 1.0", "size = 0"), &[], &[&place, "mesh.size = 0.0", "greater than 0 mm"]);
-    refused("part", replace("size = 1.0", "size = [1, 1]"), &[], &[&place, "mesh.size", "three numbers [sx, sy, sz]"]);
+    let place = line_of("resolution");
+    refused("zero", replace(RESOLUTION, "size = 0"), &[], &[&place, "mesh.size = 0.0", "greater than 0 mm"]);
+    refused("part", replace(RESOLUTION, "size = [1, 1]"), &[], &[&place, "mesh.size", "three numbers [sx, sy, sz]"]);
 }
 
 #[test]
 fn a_mesh_that_will_not_fit_in_memory() {
     let words = ["will not fit in memory", "elements", "unknowns", "GiB", "mesh.size", "--force"];
-    refused("huge", replace("size = 1.0", "size = 0.02"), &[], &words);
+    refused("huge", replace(RESOLUTION, "size = 0.02"), &[], &words);
     refused("wide", replace("width = 20.0", "width = 1e200"), &[], &["[actuator] differ too much"]);
-    refused("absurd", replace("size = 1.0", "size = 1e-300"), &[], &words);
+    refused("absurd", replace(RESOLUTION, "size = 1e-300"), &[], &words);
 }
 
 #[test]
@@ -135,10 +138,16 @@ fn broken_toml_and_wrong_types() {
     refused("type", replace("gap = 2.0", "gap = \"wide\""), &[], &[&place, "actuator.gap", "expected a number"]);
     let place = line_of("chambers");
     refused("count", replace("chambers = 2", "chambers = -2"), &[], &[&place, "actuator.chambers", "whole number"]);
-    let place = line_of("element");
+    let place = line_of("resolution");
+    refused(
+        "resolution",
+        replace("\"standard\"", "\"standart\""),
+        &[],
+        &[&place, "mesh.resolution = \"standart\"", "draft", "did you mean `standard`?"],
+    );
     refused(
         "element",
-        replace("hex8-sri\" ", "hex8-sir\" "),
+        replace(RESOLUTION, "element = \"hex8-sir\""),
         &[],
         &[&place, "mesh.element = \"hex8-sir\"", "hex8-q1p0", "did you mean `hex8-sri`?"],
     );

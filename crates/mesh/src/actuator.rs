@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::element::ElementKind;
+use crate::grading::{Interval, MeshSize};
 use crate::lattice::{BoundaryFacet, Lattice, Neighbour};
 use crate::mesh::{Facet, Mesh};
 
@@ -81,15 +82,6 @@ pub enum Part {
     Whole,
 }
 
-/// How fine a lattice is: target element size per direction and the least number of elements through a thin wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshSize {
-    /// Largest element edge along x, y, z, mm.
-    pub size: [f64; 3],
-    /// Least number of elements through end, side and top walls.
-    pub wall_elements: usize,
-}
-
 /// A length that makes no body, or none that can be meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} = {value} is out of range: {allowed}")]
@@ -102,12 +94,30 @@ pub struct GeometryError {
     pub allowed: String,
 }
 
-/// Interval between two neighbouring break planes of the geometry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Interval {
-    start: f64,
-    end: f64,
-    is_wall: bool,
+/// A plane in which the shape of the body changes.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    at: f64,
+    /// Whether the interval that ends here is the thickness of a wall.
+    closes_wall: bool,
+    /// Whether re-entrant edges lie in it.
+    has_edge: bool,
+}
+
+impl Plane {
+    /// An outer face of the body.
+    const fn outside(at: f64) -> Self {
+        Self { at, closes_wall: false, has_edge: false }
+    }
+
+    /// A plane with re-entrant edges.
+    const fn edge(at: f64) -> Self {
+        Self { at, closes_wall: false, has_edge: true }
+    }
+
+    const fn closing_wall(self) -> Self {
+        Self { closes_wall: true, ..self }
+    }
 }
 
 /// What fills a point of the actuator's bounding box.
@@ -213,29 +223,38 @@ impl Actuator {
     /// Intervals between the break planes along x, y, z.
     fn intervals(&self) -> [Vec<Interval>; 3] {
         let wall = self.end_wall();
-        let mut x = vec![(0.0, false)];
+        let mut x = vec![Plane::outside(0.0)];
         for i in 0..self.chambers {
-            let start = self.chamber_start(i);
-            x.push((start, false));
-            x.push((start + wall, true));
-            x.push((start + wall + self.cavity_length, false));
-            x.push((start + self.chamber_length, true));
+            let (start, end) = (self.chamber_start(i), self.chamber_start(i) + self.chamber_length);
+            // A chamber's outer faces meet the base in an edge, but not where the body itself ends.
+            let outer = |at: f64| if at > 0.0 && at < self.length() { Plane::edge(at) } else { Plane::outside(at) };
+            x.push(outer(start));
+            x.push(Plane::edge(start + wall).closing_wall());
+            x.push(Plane::edge(start + wall + self.cavity_length));
+            x.push(outer(end).closing_wall());
         }
-        x.push((self.length(), false));
+        x.push(Plane::outside(self.length()));
 
         let half = 0.5 * self.width;
-        let mut y = vec![(0.0, false), (self.channel.half_width, false), (half - self.side_wall, false), (half, true)];
+        let mut y = vec![Plane::edge(half - self.side_wall), Plane::outside(half).closing_wall()];
+        if self.channel.half_width > 0.0 {
+            y.insert(0, Plane::edge(self.channel.half_width));
+        }
         if self.part == Part::Whole {
-            let mirrored: Vec<_> = y.windows(2).rev().map(|w| (-w[0].0, w[1].1)).collect();
-            y = std::iter::once((-half, false)).chain(mirrored).chain(y.into_iter().skip(1)).collect();
+            // The plane that closes a wall is the outer one on this side, the inner one on the other.
+            let mirrored = [Plane::outside(-half), Plane::edge(self.side_wall - half).closing_wall()];
+            let channel = (self.channel.half_width > 0.0).then_some(Plane::edge(-self.channel.half_width));
+            y.splice(0..0, mirrored.into_iter().chain(channel).chain([Plane::outside(0.0)]));
+        } else {
+            y.insert(0, Plane::outside(0.0));
         }
 
-        let mut z = vec![(0.0, false), (self.base, false), (self.floor(), false)];
+        let mut z = vec![Plane::outside(0.0), Plane::edge(self.base), Plane::edge(self.floor())];
         if self.channel.half_width > 0.0 {
-            z.extend([(self.channel.bottom, false), (self.channel.top, false)]);
+            z.extend([Plane::edge(self.channel.bottom), Plane::edge(self.channel.top)]);
         }
-        z.extend([(self.height - self.top_wall, false), (self.height, true)]);
-        z.sort_by(|a, b| a.0.total_cmp(&b.0));
+        z.extend([Plane::edge(self.height - self.top_wall), Plane::outside(self.height).closing_wall()]);
+        z.sort_by(|a, b| a.at.total_cmp(&b.at));
         [x, y, z].map(|planes| to_intervals(&planes, 1e-9 * self.length().max(self.width).max(self.height)))
     }
 
@@ -275,9 +294,7 @@ impl Actuator {
     pub fn estimate_cells(&self, size: &MeshSize) -> f64 {
         let intervals = self.intervals();
         let mut solid = 0.0;
-        let counts: [Vec<f64>; 3] = std::array::from_fn(|d| {
-            intervals[d].iter().map(|i| cells_in(i, size.size[d], size.wall_elements)).collect()
-        });
+        let counts: [Vec<f64>; 3] = std::array::from_fn(|d| intervals[d].iter().map(|i| size.cells(i, d)).collect());
         // Summing over blocks of the geometry is cheap: their number does not depend on the element size.
         for (a, ix) in intervals[0].iter().enumerate() {
             for (b, iy) in intervals[1].iter().enumerate() {
@@ -293,20 +310,17 @@ impl Actuator {
     }
 }
 
-fn cells_in(interval: &Interval, size: f64, wall_elements: usize) -> f64 {
-    let least = if interval.is_wall { wall_elements.max(1) as f64 } else { 1.0 };
-    // The small allowance keeps 6 mm at 0.1 mm from becoming 61 elements by rounding.
-    ((interval.end - interval.start) / size - 1e-9).ceil().max(least)
-}
-
-/// Turns break planes (position, whether the interval that ends here is a wall) into non-empty intervals.
-fn to_intervals(planes: &[(f64, bool)], tolerance: f64) -> Vec<Interval> {
+/// Turns break planes into non-empty intervals.
+fn to_intervals(planes: &[Plane], tolerance: f64) -> Vec<Interval> {
     let mut intervals: Vec<Interval> = Vec::new();
-    let mut start = planes[0].0;
-    for &(end, is_wall) in &planes[1..] {
-        if end - start > tolerance {
-            intervals.push(Interval { start, end, is_wall });
-            start = end;
+    let mut start = planes[0];
+    for &plane in &planes[1..] {
+        if plane.at - start.at > tolerance {
+            let edges = [start.has_edge, plane.has_edge];
+            intervals.push(Interval { start: start.at, end: plane.at, is_wall: plane.closes_wall, edges });
+            start = plane;
+        } else {
+            start.has_edge |= plane.has_edge;
         }
     }
     intervals
@@ -325,10 +339,7 @@ pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -
     let lines: [Vec<f64>; 3] = std::array::from_fn(|d| {
         let mut line = vec![intervals[d][0].start];
         for interval in &intervals[d] {
-            let n = cells_in(interval, size.size[d], size.wall_elements) as usize;
-            let length = interval.end - interval.start;
-            line.extend((1..n).map(|i| interval.start + length * i as f64 / n as f64));
-            line.push(interval.end);
+            line.extend(size.divide(interval, d));
         }
         line
     });
@@ -380,7 +391,7 @@ mod tests {
     const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
 
     fn size(h: f64) -> MeshSize {
-        MeshSize { size: [h; 3], wall_elements: 1 }
+        MeshSize::uniform(h)
     }
 
     /// Volume enclosed by a facet set and the planes that cut it: ∮ x n_x dS over the facets.
@@ -497,7 +508,7 @@ mod tests {
 
     #[test]
     fn wall_elements_refine_walls_only() {
-        let fine = MeshSize { size: [2.0; 3], wall_elements: 2 };
+        let fine = MeshSize { wall_elements: 2, ..MeshSize::uniform(2.0) };
         let mesh = build_actuator(&Actuator::two_chambers(), &fine, ElementKind::Hex8).unwrap();
         assert!((mesh.volume() - 1268.0).abs() < 1e-9);
         assert!(mesh.select_nodes(|x| (x[0] - 0.5).abs() < 1e-12).len() > 10);

@@ -7,18 +7,21 @@
 //! * [`shape`]: shape functions and their gradients on reference elements and faces.
 //! * [`quadrature`]: Gauss rules.
 //! * [`mesh`]: the [`Mesh`] itself.
+//! * [`grading`]: element sizes along an axis, small at re-entrant edges.
 //! * [`lattice`]: structured hexahedra or tetrahedra on a tensor-product grid from which cells are left out.
 //! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
 pub mod actuator;
 pub mod element;
+pub mod grading;
 pub mod kuhn;
 pub mod lattice;
 pub mod mesh;
 pub mod quadrature;
 pub mod shape;
 
-pub use actuator::{Actuator, Channel, GeometryError, MeshSize, Part, build_actuator};
+pub use actuator::{Actuator, Channel, GeometryError, Part, build_actuator};
 pub use element::{ElementKind, FaceKind};
+pub use grading::MeshSize;
 pub use mesh::{Facet, Mesh};

@@ -38,16 +38,38 @@ pub struct Case {
     pub output: Output,
 }
 
-/// Mesh size and element formulation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Mesh size and element formulation. A resolution sets all of them; keys given beside it win.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeshOptions {
-    /// Largest element edge, mm: one number or one per direction.
-    pub size: Size,
+    /// A graded mesh of quadratic hexahedra, by how exact it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<Resolution>,
+    /// Largest element edge, mm: one number or one per direction. The mesh is uniform unless `edge_size` is given, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<Size>,
+    /// Element edge at the body's re-entrant edges, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_size: Option<f64>,
     /// Least number of elements through end, side and top walls.
-    pub wall_elements: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_elements: Option<usize>,
     /// Element formulation.
-    pub element: Formulation,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<Formulation>,
+}
+
+/// How exact a mesh is. Errors of the tip's displacement are those of the default actuator at 50 kPa (docs/convergence.md).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Resolution {
+    /// To try things out.
+    Draft,
+    /// Within 2 %.
+    #[default]
+    Standard,
+    /// Within 0.7 %.
+    Fine,
 }
 
 /// An element size: the same in all directions, or one per direction, mm.
@@ -183,12 +205,6 @@ pub struct Output {
     pub fields: bool,
 }
 
-impl Default for MeshOptions {
-    fn default() -> Self {
-        Self { size: Size::Uniform(1.0), wall_elements: 1, element: Formulation::Hex8Q1p0 }
-    }
-}
-
 impl Default for Material {
     fn default() -> Self {
         Self {
@@ -271,9 +287,57 @@ impl<'de> Deserialize<'de> for Size {
 }
 
 impl MeshOptions {
-    /// The lattice's view of these options.
-    pub fn mesh_size(&self) -> MeshSize {
-        MeshSize { size: self.size.per_axis(), wall_elements: self.wall_elements }
+    /// A uniform mesh of one formulation.
+    pub fn uniform(size: f64, element: Formulation) -> Self {
+        Self { size: Some(Size::Uniform(size)), element: Some(element), ..Self::default() }
+    }
+
+    /// Element formulation.
+    pub fn formulation(&self) -> Formulation {
+        self.element.unwrap_or(Formulation::Hex20)
+    }
+
+    /// The resolution of keys that are not given.
+    pub fn resolution(&self) -> Resolution {
+        self.resolution.unwrap_or_default()
+    }
+
+    /// The same with every default written out for an actuator.
+    pub fn resolved(&self, actuator: &Actuator) -> Self {
+        let MeshSize { size, edge, wall_elements, .. } = self.mesh_size(actuator);
+        Self {
+            resolution: self.resolution,
+            size: Some(Size::PerAxis(size)),
+            edge_size: edge.is_finite().then_some(edge),
+            wall_elements: Some(wall_elements),
+            element: Some(self.formulation()),
+        }
+    }
+
+    /// Element sizes of an actuator's mesh.
+    pub fn mesh_size(&self, actuator: &Actuator) -> MeshSize {
+        let preset = self.resolution().mesh_size(actuator);
+        let edge = match (self.edge_size, self.size) {
+            (Some(edge), _) => edge,
+            (None, Some(_)) => f64::INFINITY,
+            (None, None) => preset.edge,
+        };
+        let size = self.size.map_or(preset.size, Size::per_axis);
+        MeshSize { size, edge, wall_elements: self.wall_elements.unwrap_or(preset.wall_elements), ..preset }
+    }
+}
+
+impl Resolution {
+    /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width.
+    pub fn mesh_size(self, actuator: &Actuator) -> MeshSize {
+        let (of_width, of_wall) = match self {
+            Self::Draft => (0.4, 1.0),
+            Self::Standard => (0.3, 0.5),
+            Self::Fine => (0.2, 0.25),
+        };
+        let wall = actuator.end_wall().min(actuator.side_wall).min(actuator.top_wall);
+        let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
+        MeshSize { edge: of_wall * wall, ..MeshSize::uniform(of_width * width) }
     }
 }
 
@@ -354,11 +418,14 @@ impl Case {
         let finite = |key: &str, value: f64| {
             if value.is_finite() { Ok(()) } else { fail(key, &value, "must be a finite number, MPa") }
         };
-        for h in self.mesh.size.per_axis() {
+        for h in self.mesh.size.iter().flat_map(|size| size.per_axis()) {
             positive("mesh.size", h, " mm")?;
         }
-        if !(1..=1000).contains(&self.mesh.wall_elements) {
-            return fail("mesh.wall_elements", &self.mesh.wall_elements, "must be from 1 to 1000");
+        if let Some(edge) = self.mesh.edge_size {
+            positive("mesh.edge_size", edge, " mm")?;
+        }
+        if let Some(n) = self.mesh.wall_elements.filter(|n| !(1..=1000).contains(n)) {
+            return fail("mesh.wall_elements", &n, "must be from 1 to 1000");
         }
         positive("material.c10", self.material.c10, " MPa")?;
         finite("material.c20", self.material.c20)?;

@@ -11,7 +11,7 @@ pub mod problem;
 
 pub use case::{
     Case, CaseError, Contact, ContactMethod, Formulation, Invariant, Law, Load, Material, MeshOptions, Output, Probe,
-    Size, Solver,
+    Resolution, Size, Solver,
 };
 pub use problem::{ContactPair, Problem, Support};
 

@@ -59,8 +59,8 @@ impl Problem {
         case.validate()?;
         Ok(Self::from_actuator(
             &case.actuator,
-            &case.mesh.mesh_size(),
-            case.mesh.element,
+            &case.mesh.mesh_size(&case.actuator),
+            case.mesh.formulation(),
             case.material.clone(),
             case.contact.clone(),
         )?)
@@ -126,7 +126,7 @@ mod tests {
     fn walls_of_a_gap_correspond_face_by_face() {
         let problem = Problem::from_actuator(
             &Actuator::full(),
-            &MeshSize { size: [1.0; 3], wall_elements: 1 },
+            &MeshSize::uniform(1.0),
             Formulation::Hex8Sri,
             Material::default(),
             Contact::default(),

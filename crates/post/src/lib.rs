@@ -7,6 +7,7 @@
 //! * [`measures`]: end-face angle, centreline, air volume, reactions.
 //! * [`penetration`]: how far walls pass through each other, by dense sampling.
 //! * [`contact`]: what the contact's own points carry.
+//! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
 //! * [`fields`], [`vtu`]: VTK XML files.
 //! * [`summary`]: all of it for one landed pressure, as `summary.json` has it.
 //! * [`picture`], [`chart`]: pictures of deformed bodies and line charts, as [`drawing`]s in SVG and PNG.
@@ -15,6 +16,7 @@
 
 pub mod chart;
 pub mod contact;
+pub mod convergence;
 pub mod drawing;
 mod error;
 pub mod fields;

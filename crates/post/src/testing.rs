@@ -10,7 +10,7 @@ pub(crate) fn two_chambers(size: f64) -> Problem {
 
 /// The same with a chosen element.
 pub(crate) fn with_formulation(size: f64, formulation: Formulation) -> Problem {
-    let size = MeshSize { size: [size; 3], wall_elements: 1 };
+    let size = MeshSize::uniform(size);
     Problem::from_actuator(&Actuator::two_chambers(), &size, formulation, Material::default(), Contact::default())
         .unwrap()
 }

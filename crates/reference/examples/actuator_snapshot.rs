@@ -35,7 +35,11 @@ fn case(name: &str) -> Option<Case> {
     Some(Case {
         title: title.into(),
         actuator: Actuator { gap, ..Actuator::full() },
-        mesh: MeshOptions { size: Size::PerAxis([6.0, 5.0, 4.5]), wall_elements: 1, element },
+        mesh: MeshOptions {
+            size: Some(Size::PerAxis([6.0, 5.0, 4.5])),
+            element: Some(element),
+            ..MeshOptions::default()
+        },
         material: Material { invariant, ..Material::default() },
         contact: Contact { method: ContactMethod::MultiPoint, ..Contact::default() },
         load: Load { pressure_kpa },

@@ -44,7 +44,7 @@ fn one_chamber_of_quadratic_elements() {
     let mut actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
     actuator.channel.half_width = 0.0;
     for formulation in [Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
-        let size = MeshSize { size: [8.0, 9.0, 8.0], wall_elements: 1 };
+        let size = MeshSize::per_axis([8.0, 9.0, 8.0]);
         let problem =
             Problem::from_actuator(&actuator, &size, formulation, Material::default(), Contact::default()).unwrap();
         let solver = ReferenceSolver::new(&problem).unwrap();

@@ -149,7 +149,7 @@ mod tests {
         let actuator = Actuator { part: Part::Whole, ..Actuator::two_chambers() };
         let problem = pneuflex_model::Problem::from_actuator(
             &actuator,
-            &pneuflex_mesh::MeshSize { size: [8.0, 9.0, 8.0], wall_elements: 1 },
+            &pneuflex_mesh::MeshSize::per_axis([8.0, 9.0, 8.0]),
             Formulation::Hex8Sri,
             pneuflex_model::Material::default(),
             pneuflex_model::Contact::default(),

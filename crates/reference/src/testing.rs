@@ -49,7 +49,7 @@ pub fn hold(problem: &mut Problem, axes: [bool; 3], predicate: impl Fn([f64; 3])
 pub fn two_chambers(size: [f64; 3], gap: f64, formulation: Formulation, method: ContactMethod) -> Problem {
     Problem::from_actuator(
         &Actuator { gap, ..Actuator::two_chambers() },
-        &MeshSize { size, wall_elements: 1 },
+        &MeshSize::per_axis(size),
         formulation,
         Material::default(),
         Contact { method, ..Contact::default() },

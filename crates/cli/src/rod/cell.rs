@@ -68,8 +68,8 @@ pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, Strin
     let cell = cell_of(&case.actuator);
     let problem = Problem::from_actuator(
         &cell,
-        &case.mesh.mesh_size(),
-        case.mesh.element,
+        &case.mesh.mesh_size(&case.actuator),
+        case.mesh.formulation(),
         case.material.clone(),
         case.contact.clone(),
     )
@@ -440,7 +440,7 @@ mod tests {
 
     #[test]
     fn the_motion_of_a_rigidly_moved_end_is_found() {
-        let size = MeshSize { size: [2.0; 3], wall_elements: 1 };
+        let size = MeshSize::uniform(2.0);
         let problem = Problem::from_actuator(
             &Actuator::two_chambers(),
             &size,
@@ -469,7 +469,7 @@ mod tests {
             channel: Channel { half_width: 0.0, bottom: 2.0, top: 3.0 },
             ..Actuator::two_chambers()
         };
-        let size = MeshSize { size: [2.0; 3], wall_elements: 1 };
+        let size = MeshSize::uniform(2.0);
         let material = Material::default();
         let modulus = 6.0 * material.c10;
         let mut problem =

@@ -40,7 +40,7 @@ pub fn actuator_problem(
 ) -> Problem {
     let material = Material { invariant, ..Material::default() };
     let contact = Contact { method, ..Contact::default() };
-    Problem::from_actuator(actuator, &MeshSize { size, wall_elements: 1 }, formulation, material, contact).unwrap()
+    Problem::from_actuator(actuator, &MeshSize::per_axis(size), formulation, material, contact).unwrap()
 }
 
 /// Two coarse chambers, 858 unknowns, whose gap is so narrow that their upper edges touch between 5 and 20 kPa.

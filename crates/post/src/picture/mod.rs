@@ -10,7 +10,7 @@
 //! use pneuflex_model::{Contact, Formulation, Material, Problem};
 //! use pneuflex_post::picture::{Body, Figure, Panel};
 //!
-//! let size = MeshSize { size: [2.0; 3], wall_elements: 1 };
+//! let size = MeshSize::uniform(2.0);
 //! let problem = Problem::from_actuator(
 //!     &Actuator::two_chambers(), &size, Formulation::Hex8Sri, Material::default(), Contact::default())?;
 //! let displacement = vec![0.0; problem.num_dofs()];
