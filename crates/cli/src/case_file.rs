@@ -65,7 +65,9 @@ impl CaseFile {
         };
         let mut document = DeTable::parse(&sources.texts[0].text).map_err(|e| syntax(&e))?;
         for text in &padded {
-            merge(document.get_mut(), DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner());
+            let change = DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner();
+            make_way_for_resolution(document.get_mut(), &change);
+            merge(document.get_mut(), change);
         }
         let mut keys = Vec::new();
         collect(document.get_ref(), "", &mut keys);
@@ -146,6 +148,17 @@ fn read(path: &Path) -> Result<String, InputError> {
         let place = Place::new(&path.display().to_string(), &text, valid..valid + 1);
         InputError::new(format!("not valid UTF-8 (byte {valid} of the file); save the file as UTF-8")).at(Some(place))
     })
+}
+
+/// A resolution set on the command line replaces what the file says of the mesh: beside it, those keys would win.
+fn make_way_for_resolution(document: &mut DeTable<'_>, change: &DeTable<'_>) {
+    let mesh = change.get("mesh").and_then(|mesh| mesh.get_ref().as_table());
+    let old = document.get_mut("mesh").map(Spanned::get_mut);
+    if let (Some(_), Some(DeValue::Table(old))) = (mesh.and_then(|mesh| mesh.get("resolution")), old) {
+        for key in ["size", "edge_size", "wall_elements", "element"] {
+            old.remove(key);
+        }
+    }
 }
 
 fn merge<'a>(into: &mut DeTable<'a>, changes: DeTable<'a>) {

@@ -66,6 +66,27 @@ fn changes_reach_the_mesh() {
 }
 
 #[test]
+fn a_resolution_on_the_command_line_replaces_the_mesh_of_the_file() {
+    let scratch = Scratch::new("resolution");
+    let fixture = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/two_chamber.toml");
+    let case = fixture.to_str().unwrap();
+    let unknowns = |set: &[&str]| {
+        let mut arguments = vec!["check", case];
+        set.iter().for_each(|s| arguments.extend(["--set", s]));
+        let ended = scratch.run(&arguments);
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let element = ended.out.split(" elements ").nth(1).unwrap().split(',').next().unwrap().to_owned();
+        let count = ended.out.split(" unknowns").next().unwrap().rsplit(' ').next().unwrap().replace(',', "");
+        (element, count.parse::<usize>().unwrap())
+    };
+    let [draft, standard, fine] = ["draft", "standard", "fine"].map(|r| unknowns(&[&format!("mesh.resolution={r}")]));
+    assert_eq!([&draft.0, &standard.0, &fine.0], ["hex20"; 3]);
+    assert!(draft.1 < standard.1 && standard.1 < fine.1, "{draft:?} {standard:?} {fine:?}");
+    let both = unknowns(&["mesh.resolution=draft", "mesh.element=hex27"]);
+    assert_eq!(both.0, "hex27");
+}
+
+#[test]
 fn fixtures_pass_the_check() {
     let scratch = Scratch::new("fixtures");
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
