@@ -49,6 +49,8 @@ pub struct ReferenceElement {
     pub num_modes: usize,
     /// Whether the single volumetric point stands for the element's whole volume.
     pub is_centre_only: bool,
+    /// Whether the deviatoric and the volumetric points are the same.
+    pub shares_points: bool,
 }
 
 /// One integration point of the reference element.
@@ -77,6 +79,7 @@ impl ReferenceElement {
         };
         Self {
             kind,
+            shares_points: deviatoric == volumetric,
             deviatoric: tabulate(kind, deviatoric),
             volumetric: tabulate(kind, volumetric),
             num_modes,

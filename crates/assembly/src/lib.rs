@@ -21,6 +21,7 @@
 pub mod contact;
 pub mod formulation;
 pub mod global;
+mod kernel;
 pub mod local;
 pub mod pressure;
 pub mod solid;

@@ -26,9 +26,13 @@ use pneuflex_mesh::{
     mesh::{cofactor, determinant},
 };
 use pneuflex_model::{Formulation, Material};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::formulation::{IntegrationPoint, ReferenceElement, displacement_gradient, reference_gradients};
+use crate::kernel::{
+    LANES, NodeVectors, PairBlocks, PointTangent, add_outer, add_point, add_skew, store, to_lanes, transform,
+};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// All elements of a body.
@@ -45,6 +49,7 @@ pub struct Solid {
     inverse_mass: Vec<[[f64; 4]; 4]>,
     /// Pressure carried by the linearisation, `num_modes` per element; empty: that of the residual.
     carried: Vec<f64>,
+    processor: Arch,
 }
 
 /// θ and its derivative B for one element.
@@ -77,6 +82,7 @@ impl Solid {
             connectivity: mesh.connectivity.clone(),
             inverse_mass: Vec::new(),
             carried: Vec::new(),
+            processor: Arch::new(),
         };
         for element in 0..mesh.num_elements() {
             let mut mass = Matrix4::<f64>::zeros();
@@ -222,7 +228,8 @@ impl Solid {
         out
     }
 
-    fn evaluate_nodes<const N: usize>(
+    #[inline(always)]
+    fn evaluate_nodes<const N: usize, const C: usize, const FMA: bool>(
         &self,
         element: usize,
         displacement: &[[f64; 3]],
@@ -245,9 +252,9 @@ impl Solid {
                 }
             }
         }
-        if request == Request::Tangent {
-            self.add_volumetric_tangent(element, &x, &u, &dilatation, &pressure, out);
-        }
+        let carried = self.carried_pressure(element, &pressure);
+        let carried_at = |point: &IntegrationPoint| (0..modes).map(|i| point.modes[i] * carried[i]).sum::<f64>();
+        let mut tangent: PairBlocks<N, C> = [[[[0.0; LANES]; 9]; C]; N];
 
         for (index, point) in self.reference.deviatoric.iter().enumerate() {
             let (gradients, volume) = reference_gradients(&x, point);
@@ -263,112 +270,85 @@ impl Solid {
             if request == Request::Energy {
                 continue;
             }
-            let f: [[f64; 3]; N] = std::array::from_fn(|a| multiply(&kinematics.gradient, gradients[a]));
-            let c: [[f64; 3]; N] = std::array::from_fn(|a| multiply(&kinematics.cofactor, gradients[a]));
+            let g: NodeVectors<C> = to_lanes(&gradients);
+            let f = transform::<C, FMA>(&kinematics.gradient, &g);
+            let c = transform::<C, FMA>(&kinematics.cofactor, &g);
+            let (along_f, along_c) = (2.0 * volume * d.w1, volume * d.wj);
             for a in 0..N {
                 for k in 0..3 {
-                    out.residual[a][k] += volume * (2.0 * d.w1 * f[a][k] + d.wj * c[a][k]);
+                    let [f, c] = [&f, &c].map(|v| v[k][a / LANES][a % LANES]);
+                    out.residual[a][k] += along_f * f + along_c * c;
                 }
             }
             if request == Request::Tangent {
-                let (alpha, skew) = (2.0 * volume * d.w1, volume * d.wj / kinematics.jacobian);
-                let (ff, fc, cc) = (4.0 * volume * d.w11, 2.0 * volume * d.w1j, volume * d.wjj);
-                let p: [[f64; 3]; N] = std::array::from_fn(|b| std::array::from_fn(|k| ff * f[b][k] + fc * c[b][k]));
-                let q: [[f64; 3]; N] =
-                    std::array::from_fn(|b| std::array::from_fn(|k| fc * f[b][k] + (cc + skew) * c[b][k]));
-                let mut pair = 0;
-                for a in 0..N {
-                    for b in 0..=a {
-                        let block = &mut out.tangent[pair];
-                        pair += 1;
-                        let product = alpha
-                            * (gradients[a][0] * gradients[b][0]
-                                + gradients[a][1] * gradients[b][1]
-                                + gradients[a][2] * gradients[b][2]);
-                        for j in 0..3 {
-                            for i in 0..3 {
-                                block[3 * j + i] += f[a][i] * p[b][j] + c[a][i] * q[b][j] - skew * c[b][i] * c[a][j];
+                let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
+                let factors = PointTangent {
+                    identity: 2.0 * volume * d.w1,
+                    outer: [4.0 * volume * d.w11, 2.0 * volume * d.w1j, volume * d.wjj],
+                    skew: volume * d.wj + shared,
+                };
+                add_point::<N, C, FMA>(&mut tangent, [&g, &f, &c], &kinematics.gradient, &factors);
+            }
+        }
+        if request == Request::Tangent {
+            // κ Bᵀ M⁻¹ B.
+            let b: [NodeVectors<C>; 4] = std::array::from_fn(|i| to_lanes(&dilatation.gradient[i]));
+            let inverse = &self.inverse_mass[element];
+            for i in 0..modes {
+                let mut weighted = [[[0.0; LANES]; C]; 3];
+                for j in 0..modes {
+                    let factor = self.bulk_modulus * inverse[i][j];
+                    for k in 0..3 {
+                        for c in 0..C {
+                            for l in 0..LANES {
+                                weighted[k][c][l] += factor * b[j][k][c][l];
                             }
-                            block[4 * j] += product;
                         }
                     }
                 }
+                add_outer::<N, C, FMA>(&mut tangent, &b[i], &weighted);
             }
+            // The second derivative of θ under the carried pressure, where it was not added above.
+            if !self.reference.shares_points {
+                for point in &self.reference.volumetric {
+                    let (gradients, mut volume) = reference_gradients(&x, point);
+                    if self.reference.is_centre_only {
+                        volume = self.point_volume(element, point);
+                    }
+                    let mut f = displacement_gradient(&u, &gradients);
+                    for i in 0..3 {
+                        f[i][i] += 1.0;
+                    }
+                    add_skew::<N, C, FMA>(&mut tangent, &to_lanes(&gradients), &f, volume * carried_at(point));
+                }
+            }
+            store(&tangent, &mut out.tangent);
         }
         Ok(())
     }
 
-    /// κ Bᵀ M⁻¹ B and the second derivative of θ under the carried pressure.
-    fn add_volumetric_tangent<const N: usize>(
+    fn carried_pressure(&self, element: usize, pressure: &[f64; 4]) -> [f64; 4] {
+        let modes = self.reference.num_modes;
+        if self.carried.is_empty() {
+            return *pressure;
+        }
+        std::array::from_fn(|i| if i < modes { self.carried[element * modes + i] } else { 0.0 })
+    }
+
+    /// The kernel compiled for the instructions that this processor has.
+    fn dispatch<const N: usize, const C: usize>(
         &self,
         element: usize,
-        x: &[[f64; 3]; N],
-        u: &[[f64; 3]; N],
-        dilatation: &Dilatation<N>,
-        pressure: &[f64; 4],
+        displacement: &[[f64; 3]],
+        request: Request,
         out: &mut LocalBlock,
-    ) {
-        let modes = self.reference.num_modes;
-        let carried: [f64; 4] = if self.carried.is_empty() {
-            *pressure
-        } else {
-            std::array::from_fn(|i| if i < modes { self.carried[element * modes + i] } else { 0.0 })
-        };
-        let b = &dilatation.gradient;
-        let inverse = &self.inverse_mass[element];
-        let mut weighted = [[[0.0; 3]; N]; 4];
-        for i in 0..modes {
-            for j in 0..modes {
-                let factor = self.bulk_modulus * inverse[i][j];
-                for a in 0..N {
-                    for k in 0..3 {
-                        weighted[i][a][k] += factor * b[j][a][k];
-                    }
-                }
-            }
-        }
-        let mut pair = 0;
-        for a in 0..N {
-            for c in 0..=a {
-                let block = &mut out.tangent[pair];
-                pair += 1;
-                for i in 0..modes {
-                    for j in 0..3 {
-                        for k in 0..3 {
-                            block[3 * j + k] += b[i][a][k] * weighted[i][c][j];
-                        }
-                    }
-                }
-            }
-        }
-        for point in &self.reference.volumetric {
-            let (gradients, mut volume) = reference_gradients(x, point);
-            if self.reference.is_centre_only {
-                volume = self.point_volume(element, point);
-            }
-            let mut f = displacement_gradient(u, &gradients);
-            for i in 0..3 {
-                f[i][i] += 1.0;
-            }
-            let factor = volume * (0..modes).map(|i| point.modes[i] * carried[i]).sum::<f64>();
-            let mut pair = 0;
-            for a in 0..N {
-                for b in 0..=a {
-                    let block = &mut out.tangent[pair];
-                    pair += 1;
-                    let (ga, gb) = (gradients[a], gradients[b]);
-                    let cross =
-                        [ga[1] * gb[2] - ga[2] * gb[1], ga[2] * gb[0] - ga[0] * gb[2], ga[0] * gb[1] - ga[1] * gb[0]];
-                    let v = multiply(&f, cross).map(|t| factor * t);
-                    // −[v]ₓ, column by column.
-                    block[1] -= v[2];
-                    block[2] += v[1];
-                    block[3] += v[2];
-                    block[5] -= v[0];
-                    block[6] -= v[1];
-                    block[7] += v[0];
-                }
-            }
+    ) -> Result<(), LocalError> {
+        match self.processor {
+            Arch::Scalar => self.evaluate_nodes::<N, C, false>(element, displacement, request, out),
+            processor => processor.dispatch(
+                #[inline(always)]
+                || self.evaluate_nodes::<N, C, true>(element, displacement, request, out),
+            ),
         }
     }
 }
@@ -390,10 +370,10 @@ impl LocalContribution for Solid {
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
         match self.reference.kind {
-            ElementKind::Hex8 => self.evaluate_nodes::<8>(block, displacement, request, out),
-            ElementKind::Hex20 => self.evaluate_nodes::<20>(block, displacement, request, out),
-            ElementKind::Hex27 => self.evaluate_nodes::<27>(block, displacement, request, out),
-            ElementKind::Tet10 => self.evaluate_nodes::<10>(block, displacement, request, out),
+            ElementKind::Hex8 => self.dispatch::<8, 2>(block, displacement, request, out),
+            ElementKind::Hex20 => self.dispatch::<20, 5>(block, displacement, request, out),
+            ElementKind::Hex27 => self.dispatch::<27, 7>(block, displacement, request, out),
+            ElementKind::Tet10 => self.dispatch::<10, 3>(block, displacement, request, out),
         }
     }
 }

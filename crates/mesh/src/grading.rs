@@ -24,8 +24,8 @@ pub struct MeshSize {
     pub wall_elements: usize,
 }
 
-/// Usual growth: neighbours differ by a factor of about 1.6.
-const GROWTH: f64 = 0.5;
+/// Usual growth: neighbours differ by a factor of about 2.
+const GROWTH: f64 = 1.0;
 
 /// Rounding that must not become an element: keeps 6 mm at 0.1 mm from becoming 61 elements.
 const ROUNDING: f64 = 1e-9;
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn sizes_grow_away_from_edges() {
-        let size = MeshSize { edge: 0.25, ..MeshSize::uniform(2.0) };
+        let size = MeshSize { edge: 0.25, growth: 0.5, ..MeshSize::uniform(2.0) };
         for edges in [[true, true], [true, false], [false, true]] {
             let interval = interval(edges);
             let lines: Vec<f64> = std::iter::once(interval.start).chain(size.divide(&interval, 0)).collect();
@@ -156,7 +156,7 @@ mod tests {
                 ends.into_iter().filter(|(is_edge, _)| *is_edge).fold(f64::INFINITY, |d, (_, x)| d.min(x))
             };
             for pair in lines.windows(2) {
-                let wanted = |x| (0.25 + GROWTH * distance(x)).min(2.0);
+                let wanted = |x| (0.25 + size.growth * distance(x)).min(2.0);
                 // Between two edges the size is largest in the middle, 4 mm from both.
                 let middle = if pair[0] < 7.0 && pair[1] > 7.0 { wanted(7.0) } else { 0.0 };
                 let (length, largest) = (pair[1] - pair[0], wanted(pair[0]).max(wanted(pair[1])).max(middle));

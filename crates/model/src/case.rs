@@ -331,9 +331,9 @@ impl Resolution {
     /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width.
     pub fn mesh_size(self, actuator: &Actuator) -> MeshSize {
         let (of_width, of_wall) = match self {
-            Self::Draft => (0.4, 1.0),
-            Self::Standard => (0.3, 0.5),
-            Self::Fine => (0.2, 0.25),
+            Self::Draft => (1.0, 2.0),
+            Self::Standard => (1.0, 1.0),
+            Self::Fine => (1.0, 0.35),
         };
         let wall = actuator.end_wall().min(actuator.side_wall).min(actuator.top_wall);
         let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
