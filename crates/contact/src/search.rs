@@ -184,6 +184,7 @@ impl ContactModel {
         let kind = slave.kind;
         let shapes: Vec<_> = self.rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
         let boxes: Vec<_> = (0..master.num_faces()).map(|face| grown_box(master, face, positions)).collect();
+        let slabs: Vec<_> = (0..master.num_faces()).map(|face| Slab::of(master, face, positions)).collect();
         let mut blocks: Vec<ContactBlock> = Vec::new();
         let mut candidates: Vec<(usize, [[f64; 3]; 2])> = Vec::new();
         let mut order = Vec::new();
@@ -197,10 +198,11 @@ impl ContactModel {
                     .filter(|(_, other)| boxes_overlap(&bounds, other, *reach))
                     .map(|(m, b)| (m, *b)),
             );
-            if candidates.is_empty() {
+            let nodes = slave.face_positions(face, positions);
+            // Far from contact, most faces are told apart without a projection.
+            if candidates.iter().all(|(m, _)| slabs[*m].is_clear(kind, &nodes[..kind.num_nodes()], margin)) {
                 continue;
             }
-            let nodes = slave.face_positions(face, positions);
             let first_block = blocks.len();
             for (index, (&(slave_xi, _), shape)) in self.rule.iter().zip(&shapes).enumerate() {
                 let point = face_geometry(&nodes[..kind.num_nodes()], shape).position;
@@ -232,6 +234,47 @@ impl ContactModel {
         let SurfacePair { slave, master, .. } = &self.pairs[pair];
         let nodes = slave.face(slave_face).iter().chain(master.face(master_face)).copied().collect();
         ContactBlock { pair, slave_face, master_face, nodes, points }
+    }
+}
+
+/// The half-space in front of a master face.
+struct Slab {
+    /// Unit normal at the face's centre.
+    normal: [f64; 3],
+    /// No point of the face, continued a little, lies further than this along the normal, mm.
+    front: f64,
+}
+
+impl Slab {
+    fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
+        let kind = surface.kind;
+        let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
+        let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
+        let [low, high] = extent(nodes, normal);
+        Self { normal, front: high + (bulge(kind) + 2.0 * EXTENSION) * (high - low) }
+    }
+
+    /// Whether a slave face lies wholly in front, further away than `margin`: then no distance to this face is below it.
+    fn is_clear(&self, kind: FaceKind, slave: &[[f64; 3]], margin: f64) -> bool {
+        let [low, high] = extent(slave, self.normal);
+        low - bulge(kind) * (high - low) > self.front + margin
+    }
+}
+
+/// Least and largest coordinate of points along a direction.
+fn extent(points: &[[f64; 3]], direction: [f64; 3]) -> [f64; 2] {
+    points
+        .iter()
+        .map(|&x| dot(x, direction))
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
+}
+
+/// By how much of their nodes' extent faces may exceed it: half of what their shape functions' absolute values exceed 1 by.
+fn bulge(kind: FaceKind) -> f64 {
+    match kind {
+        FaceKind::Quad4 => 0.0,
+        // Σ|N| ≤ 25/16 for nine nodes, 2 for eight, 5/3 for the triangle.
+        FaceKind::Quad8 | FaceKind::Quad9 | FaceKind::Tri6 => 0.5,
     }
 }
 
