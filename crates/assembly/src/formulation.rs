@@ -62,9 +62,14 @@ pub struct IntegrationPoint {
     pub weight: f64,
     /// ∂Nᵢ/∂ξ, one per node.
     pub gradients: Vec<[f64; 3]>,
+    /// The same, direction by direction in groups of [`LANES`] nodes, filled up with zeros.
+    pub lanes: Vec<[f64; LANES]>,
     /// Pressure modes ψ = (1, ξ, η, ζ).
     pub modes: [f64; 4],
 }
+
+/// Nodes that the kernels handle together.
+pub const LANES: usize = 4;
 
 impl ReferenceElement {
     /// The tables of a formulation.
@@ -91,11 +96,16 @@ impl ReferenceElement {
 /// Tables of an element family at the points of a rule.
 pub fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<IntegrationPoint> {
     rule.into_iter()
-        .map(|(xi, weight)| IntegrationPoint {
-            xi,
-            weight,
-            gradients: shape::tabulate(kind, xi).1,
-            modes: [1.0, xi[0], xi[1], xi[2]],
+        .map(|(xi, weight)| {
+            let gradients = shape::tabulate(kind, xi).1;
+            let groups = gradients.len().div_ceil(LANES);
+            let mut lanes = vec![[0.0; LANES]; 3 * groups];
+            for (a, gradient) in gradients.iter().enumerate() {
+                for k in 0..3 {
+                    lanes[k * groups + a / LANES][a % LANES] = gradient[k];
+                }
+            }
+            IntegrationPoint { xi, weight, gradients, lanes, modes: [1.0, xi[0], xi[1], xi[2]] }
         })
         .collect()
 }

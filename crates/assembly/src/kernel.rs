@@ -4,8 +4,10 @@
 //! ⌈N/4⌉. Lanes beyond the last node hold zeros. With `FMA`, products are added by fused instructions, which only pays where
 //! the processor has them.
 
+use pneuflex_mesh::mesh::{cofactor, determinant};
+
 /// Nodes handled together.
-pub const LANES: usize = 4;
+pub use crate::formulation::LANES;
 
 /// A number for every node.
 pub type Lanes<const C: usize> = [[f64; LANES]; C];
@@ -34,13 +36,14 @@ fn add<const FMA: bool>(sum: f64, a: f64, b: f64) -> f64 {
 
 #[inline(always)]
 fn at<const C: usize>(vectors: &NodeVectors<C>, a: usize) -> [f64; 3] {
-    std::array::from_fn(|k| vectors[k][a / LANES][a % LANES])
+    let (group, lane) = (a / LANES, a % LANES);
+    [vectors[0][group][lane], vectors[1][group][lane], vectors[2][group][lane]]
 }
 
 /// Node vectors side by side.
 #[inline(always)]
 pub fn to_lanes<const N: usize, const C: usize>(vectors: &[[f64; 3]; N]) -> NodeVectors<C> {
-    let mut lanes = [[[0.0; LANES]; C]; 3];
+    let mut lanes = zero::<C>();
     for a in 0..N {
         for k in 0..3 {
             lanes[k][a / LANES][a % LANES] = vectors[a][k];
@@ -49,10 +52,80 @@ pub fn to_lanes<const N: usize, const C: usize>(vectors: &[[f64; 3]; N]) -> Node
     lanes
 }
 
+/// Node vectors with the zero vector at every node.
+pub const fn zero<const C: usize>() -> NodeVectors<C> {
+    [[[0.0; LANES]; C]; 3]
+}
+
+/// Σ over nodes of v wᵀ: `[i][j] = Σ vᵢ wⱼ`.
+#[inline(always)]
+fn contract<const C: usize, const FMA: bool>(v: &NodeVectors<C>, w: [&[[f64; LANES]]; 3]) -> [[f64; 3]; 3] {
+    let mut out = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            let mut sum = [0.0; LANES];
+            for c in 0..C {
+                for l in 0..LANES {
+                    sum[l] = add::<FMA>(sum[l], v[i][c][l], w[j][c][l]);
+                }
+            }
+            out[i][j] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        }
+    }
+    out
+}
+
+/// Gradient `[i][j] = ∂uᵢ/∂Xⱼ` of a field with nodal values `u`, from the shape functions' gradients `g`.
+#[inline(always)]
+pub fn gradient_of<const C: usize, const FMA: bool>(u: &NodeVectors<C>, g: &NodeVectors<C>) -> [[f64; 3]; 3] {
+    contract::<C, FMA>(u, [&g[0], &g[1], &g[2]])
+}
+
+/// Gradients ∂N/∂X of an element with reference node positions `x` and det ∂X/∂ξ, from a table of ∂N/∂ξ: direction by
+/// direction, `C` groups each.
+#[inline(always)]
+pub fn geometry<const C: usize, const FMA: bool>(table: &[[f64; LANES]], x: &NodeVectors<C>) -> (NodeVectors<C>, f64) {
+    // One check of the length here spares those inside the loops.
+    let table = &table[..3 * C];
+    let jacobian = contract::<C, FMA>(x, [&table[..C], &table[C..2 * C], &table[2 * C..]]);
+    // ∇N = J⁻ᵀ ∂N/∂ξ = cof(J) ∂N/∂ξ / det J.
+    let (cof, det) = (cofactor(&jacobian), determinant(&jacobian));
+    let (mut scaled, mut gradients) = (cof, zero::<C>());
+    for i in 0..3 {
+        for j in 0..3 {
+            scaled[i][j] /= det;
+        }
+    }
+    for k in 0..3 {
+        for c in 0..C {
+            gradients[k][c] = table[k * C + c];
+        }
+    }
+    (transform::<C, FMA>(&scaled, &gradients), det)
+}
+
+/// v ← v + factor w.
+#[inline(always)]
+pub fn add_scaled<const C: usize, const FMA: bool>(v: &mut NodeVectors<C>, factor: f64, w: &NodeVectors<C>) {
+    for k in 0..3 {
+        for c in 0..C {
+            for l in 0..LANES {
+                v[k][c][l] = add::<FMA>(v[k][c][l], factor, w[k][c][l]);
+            }
+        }
+    }
+}
+
+/// Σ over nodes of v·w.
+#[inline(always)]
+pub fn inner<const C: usize>(v: &NodeVectors<C>, w: &NodeVectors<C>) -> f64 {
+    v.as_flattened().as_flattened().iter().zip(w.as_flattened().as_flattened()).map(|(a, b)| a * b).sum()
+}
+
 /// M v for every node.
 #[inline(always)]
 pub fn transform<const C: usize, const FMA: bool>(m: &[[f64; 3]; 3], v: &NodeVectors<C>) -> NodeVectors<C> {
-    let mut out = [[[0.0; LANES]; C]; 3];
+    let mut out = zero::<C>();
     for i in 0..3 {
         for c in 0..C {
             for l in 0..LANES {
@@ -72,7 +145,7 @@ pub fn add_point<const N: usize, const C: usize, const FMA: bool>(
     tangent: &PointTangent,
 ) {
     let [ff, fc, cc] = tangent.outer;
-    let (mut p, mut q) = ([[[0.0; LANES]; C]; 3], [[[0.0; LANES]; C]; 3]);
+    let (mut p, mut q): (NodeVectors<C>, NodeVectors<C>) = (zero(), zero());
     for k in 0..3 {
         for i in 0..C {
             for l in 0..LANES {
@@ -83,19 +156,26 @@ pub fn add_point<const N: usize, const C: usize, const FMA: bool>(
     }
     for a in 0..N {
         let (ga, fa, ca) = (at(g, a), at(f, a), at(c, a));
-        let gi = ga.map(|x| tangent.identity * x);
+        let gi = [tangent.identity * ga[0], tangent.identity * ga[1], tangent.identity * ga[2]];
         // F (g_a × g_b) = (F [g_a]ₓ) g_b, with the factor.
         let cross = [[0.0, -ga[2], ga[1]], [ga[2], 0.0, -ga[0]], [-ga[1], ga[0], 0.0]];
-        let m: [[f64; 3]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| tangent.skew * (0..3).map(|k| deformation[i][k] * cross[k][j]).sum::<f64>())
-        });
+        let mut m = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                for k in 0..3 {
+                    m[i][j] = add::<FMA>(m[i][j], tangent.skew * deformation[i][k], cross[k][j]);
+                }
+            }
+        }
         for i in 0..=a / LANES {
             let block = &mut sum[a][i];
             for l in 0..LANES {
                 let gb = [g[0][i][l], g[1][i][l], g[2][i][l]];
                 let product = add::<FMA>(add::<FMA>(gi[0] * gb[0], gi[1], gb[1]), gi[2], gb[2]);
-                let v: [f64; 3] =
-                    std::array::from_fn(|k| add::<FMA>(add::<FMA>(m[k][0] * gb[0], m[k][1], gb[1]), m[k][2], gb[2]));
+                let mut v = [0.0; 3];
+                for k in 0..3 {
+                    v[k] = add::<FMA>(add::<FMA>(m[k][0] * gb[0], m[k][1], gb[1]), m[k][2], gb[2]);
+                }
                 // Columns of product · 1 − [v]ₓ.
                 let rest = [product, -v[2], v[1], v[2], product, -v[0], -v[1], v[0], product];
                 for j in 0..3 {
@@ -117,7 +197,7 @@ pub fn add_skew<const N: usize, const C: usize, const FMA: bool>(
     deformation: &[[f64; 3]; 3],
     skew: f64,
 ) {
-    let none = [[[0.0; LANES]; C]; 3];
+    let none = zero::<C>();
     add_point::<N, C, FMA>(sum, [g, &none, &none], deformation, &PointTangent { skew, ..PointTangent::default() });
 }
 

@@ -26,12 +26,13 @@ use pneuflex_mesh::{
     mesh::{cofactor, determinant},
 };
 use pneuflex_model::{Formulation, Material};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::formulation::{IntegrationPoint, ReferenceElement, displacement_gradient, reference_gradients};
+use crate::formulation::{IntegrationPoint, ReferenceElement};
 use crate::kernel::{
-    LANES, NodeVectors, PairBlocks, PointTangent, add_outer, add_point, add_skew, store, to_lanes, transform,
+    LANES, NodeVectors, PairBlocks, PointTangent, add_outer, add_point, add_scaled, add_skew, geometry, gradient_of,
+    inner, store, to_lanes, transform, zero,
 };
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
@@ -53,9 +54,9 @@ pub struct Solid {
 }
 
 /// θ and its derivative B for one element.
-struct Dilatation<const N: usize> {
+struct Dilatation<const C: usize> {
     theta: [f64; 4],
-    gradient: [[[f64; 3]; N]; 4],
+    gradient: [NodeVectors<C>; 4],
 }
 
 /// An element has no volume or is turned inside out at rest.
@@ -129,33 +130,47 @@ impl Solid {
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
         match self.reference.kind {
-            ElementKind::Hex8 => self.pressures_of::<8>(displacement, correction),
-            ElementKind::Hex20 => self.pressures_of::<20>(displacement, correction),
-            ElementKind::Hex27 => self.pressures_of::<27>(displacement, correction),
-            ElementKind::Tet10 => self.pressures_of::<10>(displacement, correction),
+            ElementKind::Hex8 => self.pressures_of::<8, 2>(displacement, correction),
+            ElementKind::Hex20 => self.pressures_of::<20, 5>(displacement, correction),
+            ElementKind::Hex27 => self.pressures_of::<27, 7>(displacement, correction),
+            ElementKind::Tet10 => self.pressures_of::<10, 3>(displacement, correction),
         }
     }
 
-    fn pressures_of<const N: usize>(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
+    fn pressures_of<const N: usize, const C: usize>(
+        &self,
+        displacement: &[[f64; 3]],
+        correction: Option<&[[f64; 3]]>,
+    ) -> Vec<f64> {
         let modes = self.reference.num_modes;
         let mut pressures = vec![0.0; modes * self.inverse_mass.len()];
-        pressures.par_chunks_mut(modes).with_min_len(64).enumerate().for_each(|(element, out)| {
-            let u = self.gather::<N>(element, displacement);
-            let dilatation = self.dilatation::<N>(element, &u, correction.is_some());
-            let mut theta = dilatation.theta;
-            if let Some(correction) = correction {
-                let delta = self.gather::<N>(element, correction);
-                for (theta, gradient) in theta.iter_mut().zip(&dilatation.gradient).take(modes) {
-                    for a in 0..N {
-                        for k in 0..3 {
-                            *theta += gradient[a][k] * delta[a][k];
-                        }
-                    }
-                }
+        pressures.par_chunks_mut(modes).with_min_len(64).enumerate().for_each(|(element, out)| match self.processor {
+            Arch::Scalar => self.pressures_of_element::<N, C, false>(element, displacement, correction, out),
+            processor => {
+                processor.dispatch(PressuresOfElement::<N, C> { solid: self, element, displacement, correction, out })
             }
-            out.copy_from_slice(&self.pressure_of_dilatation(element, &theta)[..modes]);
         });
         pressures
+    }
+
+    #[inline(always)]
+    fn pressures_of_element<const N: usize, const C: usize, const FMA: bool>(
+        &self,
+        element: usize,
+        displacement: &[[f64; 3]],
+        correction: Option<&[[f64; 3]]>,
+        out: &mut [f64],
+    ) {
+        let [x, u] = [&self.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
+        let dilatation = self.dilatation::<C, FMA>(element, &x, &u, correction.is_some());
+        let mut theta = dilatation.theta;
+        if let Some(correction) = correction {
+            let delta = self.gather::<N, C>(element, correction);
+            for (theta, gradient) in theta.iter_mut().zip(&dilatation.gradient).take(self.reference.num_modes) {
+                *theta += inner(gradient, &delta);
+            }
+        }
+        out.copy_from_slice(&self.pressure_of_dilatation(element, &theta)[..self.reference.num_modes]);
     }
 
     fn pressure_of_dilatation(&self, element: usize, theta: &[f64; 4]) -> [f64; 4] {
@@ -174,9 +189,10 @@ impl Solid {
         &self.connectivity[element * n..(element + 1) * n]
     }
 
-    fn gather<const N: usize>(&self, element: usize, field: &[[f64; 3]]) -> [[f64; 3]; N] {
+    #[inline(always)]
+    fn gather<const N: usize, const C: usize>(&self, element: usize, field: &[[f64; 3]]) -> NodeVectors<C> {
         let nodes = self.element_nodes(element);
-        std::array::from_fn(|a| field[nodes[a] as usize])
+        to_lanes::<N, C>(&std::array::from_fn(|a| field[nodes[a] as usize]))
     }
 
     /// Reference volume that an integration point stands for, mm³.
@@ -199,33 +215,43 @@ impl Solid {
         }
     }
 
-    fn dilatation<const N: usize>(&self, element: usize, u: &[[f64; 3]; N], with_gradient: bool) -> Dilatation<N> {
-        let x = self.gather::<N>(element, &self.nodes);
+    #[inline(always)]
+    fn dilatation<const C: usize, const FMA: bool>(
+        &self,
+        element: usize,
+        x: &NodeVectors<C>,
+        u: &NodeVectors<C>,
+        with_gradient: bool,
+    ) -> Dilatation<C> {
         let modes = self.reference.num_modes;
-        let mut out = Dilatation { theta: [0.0; 4], gradient: [[[0.0; 3]; N]; 4] };
+        let mut out = Dilatation { theta: [0.0; 4], gradient: [zero(); 4] };
         for point in &self.reference.volumetric {
-            let (gradients, mut volume) = reference_gradients(&x, point);
-            if self.reference.is_centre_only {
-                volume = self.point_volume(element, point);
-            }
-            let h = displacement_gradient(u, &gradients);
+            let (g, volume) = self.geometry_at::<C, FMA>(element, x, point);
+            let h = gradient_of::<C, FMA>(u, &g);
             let (jacobian_minus_1, cof) = volume_change(&h);
             for i in 0..modes {
                 out.theta[i] += volume * point.modes[i] * jacobian_minus_1;
             }
             if with_gradient {
-                for a in 0..N {
-                    let c = multiply(&cof, gradients[a]);
-                    for i in 0..modes {
-                        let factor = volume * point.modes[i];
-                        for k in 0..3 {
-                            out.gradient[i][a][k] += factor * c[k];
-                        }
-                    }
+                let c = transform::<C, FMA>(&cof, &g);
+                for i in 0..modes {
+                    add_scaled::<C, FMA>(&mut out.gradient[i], volume * point.modes[i], &c);
                 }
             }
         }
         out
+    }
+
+    /// Gradients ∂N/∂X at a point of the volumetric energy, and the volume it stands for, mm³.
+    #[inline(always)]
+    fn geometry_at<const C: usize, const FMA: bool>(
+        &self,
+        element: usize,
+        x: &NodeVectors<C>,
+        point: &IntegrationPoint,
+    ) -> (NodeVectors<C>, f64) {
+        let (g, det) = geometry::<C, FMA>(&point.lanes, x);
+        (g, if self.reference.is_centre_only { self.point_volume(element, point) } else { point.weight * det })
     }
 
     #[inline(always)]
@@ -236,29 +262,26 @@ impl Solid {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        let x = self.gather::<N>(element, &self.nodes);
-        let u = self.gather::<N>(element, displacement);
+        let [x, u] = [&self.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
         let modes = self.reference.num_modes;
 
-        let dilatation = self.dilatation::<N>(element, &u, request >= Request::Residual);
+        let dilatation = self.dilatation::<C, FMA>(element, &x, &u, request >= Request::Residual);
         let pressure = self.pressure_of_dilatation(element, &dilatation.theta);
         out.energy += 0.5 * (0..modes).map(|i| pressure[i] * dilatation.theta[i]).sum::<f64>();
-        if request >= Request::Residual {
-            for (a, r) in out.residual.iter_mut().enumerate() {
-                for k in 0..3 {
-                    for i in 0..modes {
-                        r[k] += pressure[i] * dilatation.gradient[i][a][k];
-                    }
-                }
-            }
+        let mut residual: NodeVectors<C> = zero();
+        for i in 0..modes {
+            add_scaled::<C, FMA>(&mut residual, pressure[i], &dilatation.gradient[i]);
         }
         let carried = self.carried_pressure(element, &pressure);
         let carried_at = |point: &IntegrationPoint| (0..modes).map(|i| point.modes[i] * carried[i]).sum::<f64>();
-        let mut tangent: PairBlocks<N, C> = [[[[0.0; LANES]; 9]; C]; N];
+        // Large: cleared only where it is asked for.
+        let mut tangent: Option<PairBlocks<N, C>> =
+            (request == Request::Tangent).then_some([[[[0.0; LANES]; 9]; C]; N]);
 
         for (index, point) in self.reference.deviatoric.iter().enumerate() {
-            let (gradients, volume) = reference_gradients(&x, point);
-            let h = displacement_gradient(&u, &gradients);
+            let (g, det) = geometry::<C, FMA>(&point.lanes, &x);
+            let volume = point.weight * det;
+            let h = gradient_of::<C, FMA>(&u, &g);
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
             let mut d = self.law.evaluate(&kinematics);
@@ -270,59 +293,47 @@ impl Solid {
             if request == Request::Energy {
                 continue;
             }
-            let g: NodeVectors<C> = to_lanes(&gradients);
             let f = transform::<C, FMA>(&kinematics.gradient, &g);
             let c = transform::<C, FMA>(&kinematics.cofactor, &g);
-            let (along_f, along_c) = (2.0 * volume * d.w1, volume * d.wj);
-            for a in 0..N {
-                for k in 0..3 {
-                    let [f, c] = [&f, &c].map(|v| v[k][a / LANES][a % LANES]);
-                    out.residual[a][k] += along_f * f + along_c * c;
-                }
-            }
-            if request == Request::Tangent {
+            add_scaled::<C, FMA>(&mut residual, 2.0 * volume * d.w1, &f);
+            add_scaled::<C, FMA>(&mut residual, volume * d.wj, &c);
+            if let Some(tangent) = &mut tangent {
                 let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
                 let factors = PointTangent {
                     identity: 2.0 * volume * d.w1,
                     outer: [4.0 * volume * d.w11, 2.0 * volume * d.w1j, volume * d.wjj],
                     skew: volume * d.wj + shared,
                 };
-                add_point::<N, C, FMA>(&mut tangent, [&g, &f, &c], &kinematics.gradient, &factors);
+                add_point::<N, C, FMA>(tangent, [&g, &f, &c], &kinematics.gradient, &factors);
             }
         }
-        if request == Request::Tangent {
+        for (a, r) in out.residual.iter_mut().enumerate() {
+            for k in 0..3 {
+                r[k] += residual[k][a / LANES][a % LANES];
+            }
+        }
+        if let Some(tangent) = &mut tangent {
             // κ Bᵀ M⁻¹ B.
-            let b: [NodeVectors<C>; 4] = std::array::from_fn(|i| to_lanes(&dilatation.gradient[i]));
             let inverse = &self.inverse_mass[element];
             for i in 0..modes {
-                let mut weighted = [[[0.0; LANES]; C]; 3];
+                let mut weighted = zero();
                 for j in 0..modes {
-                    let factor = self.bulk_modulus * inverse[i][j];
-                    for k in 0..3 {
-                        for c in 0..C {
-                            for l in 0..LANES {
-                                weighted[k][c][l] += factor * b[j][k][c][l];
-                            }
-                        }
-                    }
+                    add_scaled::<C, FMA>(&mut weighted, self.bulk_modulus * inverse[i][j], &dilatation.gradient[j]);
                 }
-                add_outer::<N, C, FMA>(&mut tangent, &b[i], &weighted);
+                add_outer::<N, C, FMA>(tangent, &dilatation.gradient[i], &weighted);
             }
             // The second derivative of θ under the carried pressure, where it was not added above.
             if !self.reference.shares_points {
                 for point in &self.reference.volumetric {
-                    let (gradients, mut volume) = reference_gradients(&x, point);
-                    if self.reference.is_centre_only {
-                        volume = self.point_volume(element, point);
-                    }
-                    let mut f = displacement_gradient(&u, &gradients);
+                    let (g, volume) = self.geometry_at::<C, FMA>(element, &x, point);
+                    let mut f = gradient_of::<C, FMA>(&u, &g);
                     for i in 0..3 {
                         f[i][i] += 1.0;
                     }
-                    add_skew::<N, C, FMA>(&mut tangent, &to_lanes(&gradients), &f, volume * carried_at(point));
+                    add_skew::<N, C, FMA>(tangent, &g, &f, volume * carried_at(point));
                 }
             }
-            store(&tangent, &mut out.tangent);
+            store(tangent, &mut out.tangent);
         }
         Ok(())
     }
@@ -345,11 +356,44 @@ impl Solid {
     ) -> Result<(), LocalError> {
         match self.processor {
             Arch::Scalar => self.evaluate_nodes::<N, C, false>(element, displacement, request, out),
-            processor => processor.dispatch(
-                #[inline(always)]
-                || self.evaluate_nodes::<N, C, true>(element, displacement, request, out),
-            ),
+            processor => processor.dispatch(EvaluateNodes::<N, C> { solid: self, element, displacement, request, out }),
         }
+    }
+}
+
+/// A call of [`Solid::evaluate_nodes`] with vector instructions.
+struct EvaluateNodes<'a, const N: usize, const C: usize> {
+    solid: &'a Solid,
+    element: usize,
+    displacement: &'a [[f64; 3]],
+    request: Request,
+    out: &'a mut LocalBlock,
+}
+
+impl<const N: usize, const C: usize> WithSimd for EvaluateNodes<'_, N, C> {
+    type Output = Result<(), LocalError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.solid.evaluate_nodes::<N, C, true>(self.element, self.displacement, self.request, self.out)
+    }
+}
+
+/// A call of [`Solid::pressures_of_element`] with vector instructions.
+struct PressuresOfElement<'a, const N: usize, const C: usize> {
+    solid: &'a Solid,
+    element: usize,
+    displacement: &'a [[f64; 3]],
+    correction: Option<&'a [[f64; 3]]>,
+    out: &'a mut [f64],
+}
+
+impl<const N: usize, const C: usize> WithSimd for PressuresOfElement<'_, N, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.solid.pressures_of_element::<N, C, true>(self.element, self.displacement, self.correction, self.out);
     }
 }
 
@@ -390,9 +434,4 @@ fn volume_change(h: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3]) {
         f[i][i] += 1.0;
     }
     (trace + second + det, cofactor(&f))
-}
-
-#[inline]
-fn multiply(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
 }
