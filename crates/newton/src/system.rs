@@ -16,6 +16,9 @@ use crate::warp::Warp;
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest.
 const NEAR_SHARE: f64 = 0.15;
 
+/// Corrections that move no node further than this are not bent: the next one makes up for their second-order part, mm.
+const STRAIGHT_BELOW: f64 = 1e-3;
+
 /// Index of the solid and of the pressure in the assembler's list.
 const SOLID: usize = 0;
 const PRESSURE: usize = 1;
@@ -41,6 +44,8 @@ pub struct System {
     /// Touching blocks of the last assembly, and the node positions it was made at.
     touching: Vec<ContactBlock>,
     positions: Vec<[f64; 3]>,
+    /// Displacement and correction from which the next tangent's carried pressures follow.
+    pending: Option<[Vec<[f64; 3]>; 2]>,
     /// Traction of every contact point that the linearisation carries, MPa.
     carried_tractions: Vec<f64>,
     assembler: Assembler,
@@ -80,6 +85,7 @@ impl System {
             near_margin,
             touching: Vec::new(),
             positions: Vec::new(),
+            pending: None,
             carried_tractions,
             assembler,
             factor,
@@ -137,6 +143,11 @@ impl System {
         self.contact_points = contact.num_points();
 
         let start = Instant::now();
+        if request == Request::Tangent
+            && let Some([displacement, correction]) = self.pending.take()
+        {
+            self.solid.update_pressures(&displacement, &correction);
+        }
         self.assembler.reset(&mut self.totals, request);
         self.assembler.add(SOLID, &self.solid, displacement, request, &mut self.totals)?;
         self.assembler.add(PRESSURE, &self.pressure, displacement, request, &mut self.totals)?;
@@ -227,7 +238,7 @@ impl System {
     /// of them under a correction.
     pub fn carry(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
         let start = Instant::now();
-        self.solid.update_pressures(displacement, correction);
+        self.pending = Some([displacement.to_vec(), correction.to_vec()]);
         self.carried_tractions.fill(0.0);
         for block in &self.touching {
             for (number, traction) in predicted_tractions(&self.contact, block, &self.positions, correction) {
@@ -243,7 +254,14 @@ impl System {
     /// [`LocalError`] if the state before the correction is turned inside out.
     pub fn warp(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), LocalError> {
         let start = Instant::now();
-        self.warp.apply(displacement, correction)?;
+        let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        if largest < STRAIGHT_BELOW {
+            for (u, delta) in displacement.as_flattened_mut().iter_mut().zip(correction.as_flattened()) {
+                *u += delta;
+            }
+        } else {
+            self.warp.apply(displacement, correction)?;
+        }
         self.timing.solve_s += start.elapsed().as_secs_f64();
         Ok(())
     }
@@ -259,6 +277,7 @@ impl System {
     /// Restarts the carried pressures and contact tractions from those of a displacement.
     pub fn carry_pressures(&mut self, displacement: &[[f64; 3]]) {
         self.solid.carry_pressures(displacement);
+        self.pending = None;
         self.carried_tractions.fill(0.0);
         for point in self.contact.search(&self.positions(displacement)).iter().flat_map(|block| &block.points) {
             self.carried_tractions[point.number] = point.traction;

@@ -34,6 +34,8 @@ impl Warp {
     /// If a Laplacian is singular: some axis is not held anywhere on a part of the body.
     pub fn new(mesh: &Arc<Mesh>, held: &[bool], parallelism: Parallelism) -> Result<Self, FactorError> {
         let points = tabulate(mesh.kind, quadrature::volume(mesh.kind));
+        // The right-hand side is of second order in the correction: fewer points will do.
+        let few = if mesh.kind == ElementKind::Tet10 { quadrature::tetrahedron_4() } else { quadrature::hexahedron(2) };
         let pattern = BlockPattern::from_cliques(mesh.num_nodes(), (0..mesh.num_elements()).map(|e| mesh.element(e)));
         let values = laplacian(mesh, &points, &pattern);
         let symbolic = Arc::new(Symbolic::<1>::analyze(&pattern, Ordering::default())?);
@@ -56,7 +58,7 @@ impl Warp {
         let assembler = Assembler::new(mesh.num_nodes(), &[], &[]);
         Ok(Self {
             mesh: Arc::clone(mesh),
-            points,
+            points: tabulate(mesh.kind, few),
             assembler,
             totals: Totals::default(),
             factors,
@@ -74,17 +76,22 @@ impl Warp {
         self.assembler.reset(&mut self.totals, Request::Residual);
         self.assembler.add_changing(&rotation, displacement, Request::Residual, &mut self.totals)?;
         let n = displacement.len();
-        let mut rhs = vec![0.0; n];
-        for axis in 0..3 {
-            for (node, value) in rhs.iter_mut().enumerate() {
-                *value = if self.held[3 * node + axis] { 0.0 } else { self.totals.residual[node][axis] };
-            }
-            // The factor and the right-hand side have the sizes of the mesh: nothing can fail here.
-            if self.factors[self.factor_of_axis[axis]].solve_in_place(&mut rhs, 1).is_err() {
+        for (index, factor) in self.factors.iter().enumerate() {
+            // Axes with the same factor are solved together.
+            let axes: Vec<usize> = (0..3).filter(|&axis| self.factor_of_axis[axis] == index).collect();
+            let mut rhs: Vec<f64> = axes
+                .iter()
+                .flat_map(|&axis| (0..n).map(move |node| (node, axis)))
+                .map(|(node, axis)| if self.held[3 * node + axis] { 0.0 } else { self.totals.residual[node][axis] })
+                .collect();
+            // The factor and the right-hand sides have the sizes of the mesh: nothing can fail here.
+            if factor.solve_in_place(&mut rhs, axes.len()).is_err() {
                 rhs.fill(0.0);
             }
-            for (node, value) in rhs.iter().enumerate() {
-                displacement[node][axis] += correction[node][axis] + value;
+            for (&axis, values) in axes.iter().zip(rhs.chunks_exact(n)) {
+                for (node, value) in values.iter().enumerate() {
+                    displacement[node][axis] += correction[node][axis] + value;
+                }
             }
         }
         Ok(())
