@@ -19,7 +19,7 @@ fn new_case_files_pass_the_check() {
 
     let two = scratch.run(&["check", "two_chamber.toml"]);
     assert_eq!(two.code, 0, "{two:?}");
-    for words in ["1268.000000 mm3", "elements hex20", "clamp: ", "gap_1_left: ", "5, 15, 25, 35, 50 kPa"] {
+    for words in ["1268.000000 mm3", "elements hex27", "clamp: ", "gap_1_left: ", "5, 15, 25, 35, 50 kPa"] {
         assert!(two.out.contains(words), "`{words}` is not in: {}", two.out);
     }
     let full = scratch.run(&["check", "a.toml"]);
@@ -80,10 +80,10 @@ fn a_resolution_on_the_command_line_replaces_the_mesh_of_the_file() {
         (element, count.parse::<usize>().unwrap())
     };
     let [draft, standard, fine] = ["draft", "standard", "fine"].map(|r| unknowns(&[&format!("mesh.resolution={r}")]));
-    assert_eq!([&draft.0, &standard.0, &fine.0], ["hex20"; 3]);
+    assert_eq!([&draft.0, &standard.0, &fine.0], ["hex27"; 3]);
     assert!(draft.1 < standard.1 && standard.1 < fine.1, "{draft:?} {standard:?} {fine:?}");
-    let both = unknowns(&["mesh.resolution=draft", "mesh.element=hex27"]);
-    assert_eq!(both.0, "hex27");
+    let both = unknowns(&["mesh.resolution=draft", "mesh.element=hex20"]);
+    assert_eq!(both.0, "hex20");
 }
 
 #[test]

@@ -59,7 +59,8 @@ pub struct MeshOptions {
     pub element: Option<Formulation>,
 }
 
-/// How exact a mesh is. Errors of the tip's displacement are those of the default actuator at 50 kPa (docs/convergence.md).
+/// How exact a mesh is. Errors of the tip's displacement are those of the default actuator at 50 kPa, see
+/// ARCHITECTURE.md.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Resolution {
@@ -294,7 +295,7 @@ impl MeshOptions {
 
     /// Element formulation.
     pub fn formulation(&self) -> Formulation {
-        self.element.unwrap_or(Formulation::Hex20)
+        self.element.unwrap_or(Formulation::Hex27)
     }
 
     /// The resolution of keys that are not given.
@@ -331,9 +332,9 @@ impl Resolution {
     /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width.
     pub fn mesh_size(self, actuator: &Actuator) -> MeshSize {
         let (of_width, of_wall) = match self {
-            Self::Draft => (1.0, 2.0),
-            Self::Standard => (1.0, 1.0),
-            Self::Fine => (1.0, 0.35),
+            Self::Draft => (1.0, 2.8),
+            Self::Standard => (1.0, 1.4),
+            Self::Fine => (1.0, 0.7),
         };
         let wall = actuator.end_wall().min(actuator.side_wall).min(actuator.top_wall);
         let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
