@@ -1,9 +1,10 @@
-//! Assembly, factorisation and solution of one linear system, for each element formulation.
+//! Assembly, contact search, factorisation, solution and warp, and the Newton step made of them, for each element formulation.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use pneuflex_assembly::Request;
-use pneuflex_benches::{full_actuator, smooth_displacement};
+use pneuflex_benches::{full_actuator, smooth_displacement, touching_positions};
+use pneuflex_contact::ContactModel;
 use pneuflex_factor::Parallelism;
 use pneuflex_model::Formulation;
 use pneuflex_newton::System;
@@ -15,6 +16,9 @@ fn kernels(c: &mut Criterion) {
     for (formulation, size) in CASES {
         let problem = full_actuator(formulation, size);
         let u = smooth_displacement(&problem);
+        let contact = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
+        let touching = touching_positions(&problem);
+        assert!(!contact.search(&touching).is_empty(), "nothing touches");
         let mut group = c.benchmark_group(format!("{formulation} {size} mm, {} unknowns", problem.num_unknowns()));
         group.sample_size(10);
         for threads in [1, 2] {
@@ -23,11 +27,30 @@ fn kernels(c: &mut Criterion) {
             group.bench_function(BenchmarkId::new("assembly", threads), |b| {
                 pool.install(|| b.iter(|| system.assemble(&u, 5e-3, Request::Tangent).unwrap()));
             });
+            group.bench_function(BenchmarkId::new("contact search", threads), |b| {
+                pool.install(|| b.iter(|| contact.search(&touching)));
+            });
             // A state whose tangent is positive definite: rest.
             let rest = vec![[0.0; 3]; u.len()];
             pool.install(|| system.assemble(&rest, 0.0, Request::Tangent)).unwrap();
             group.bench_function(BenchmarkId::new("factorisation", threads), |b| {
                 pool.install(|| b.iter(|| system.factorize().unwrap()));
+            });
+            // The residual of a small pressure; a correction to warp.
+            pool.install(|| system.assemble(&rest, 1e-3, Request::Tangent)).unwrap();
+            pool.install(|| system.factorize()).unwrap();
+            group.bench_function(BenchmarkId::new("solution", threads), |b| {
+                pool.install(|| b.iter(|| system.solve(None).unwrap()));
+            });
+            let correction = pool.install(|| system.solve(None)).unwrap();
+            group.bench_function(BenchmarkId::new("warp", threads), |b| {
+                pool.install(|| {
+                    b.iter(|| {
+                        let mut moved = rest.clone();
+                        system.warp(&mut moved, &correction).unwrap();
+                        moved
+                    });
+                });
             });
             group.bench_function(BenchmarkId::new("Newton step", threads), |b| {
                 pool.install(|| {
