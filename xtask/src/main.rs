@@ -1,6 +1,8 @@
 //! Repository tasks, run as `cargo xtask TASK`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod bench;
+mod program;
 mod tidy;
 mod validate;
 mod verification;
@@ -10,6 +12,8 @@ use std::process::ExitCode;
 const USAGE: &str = "usage: cargo xtask TASK
 
 tasks:
+  bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
+            [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
   tidy      check the rules of this repository: arrows between crates, docs
   validate  the paper's figures and statements by the real program, as a report in target/validation
             [--quick] [--measured FILE.csv] [--docs]
@@ -21,6 +25,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let rest: Vec<&str> = arguments.iter().skip(1).map(String::as_str).collect();
     match arguments.first().map(String::as_str) {
+        Some("bench") => bench::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
         Some("verification") if rest.is_empty() => verification::run(false),
         Some("verification") if rest == ["--quick"] => verification::run(true),

@@ -117,7 +117,7 @@ fn report(arguments: &Arguments) -> Outcome<Record> {
         None => Vec::new(),
     };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
-    let target = target_folder(&root);
+    let target = crate::program::target_folder(&root);
     let folder = target.join("validation");
     let runs = runs(extent);
     let expected: f64 = runs.iter().map(Run::expected_s).sum();
@@ -219,10 +219,6 @@ fn missing(measured: &[MeasuredPoint]) -> Vec<String> {
         );
     }
     missing
-}
-
-fn target_folder(root: &Path) -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 fn write(folder: &Path, figures: &[Figure], record: &Record, page: &str) -> Outcome<()> {

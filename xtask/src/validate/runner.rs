@@ -27,23 +27,7 @@ impl Runner {
     /// # Errors
     /// A build that fails.
     pub fn new(root: &Path, folder: &Path, expected_s: f64) -> Outcome<Self> {
-        eprintln!("building pneuflex");
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let output = Command::new(cargo)
-            .args(["build", "--release", "--locked", "--package", "pneuflex-cli", "--message-format=json"])
-            .current_dir(root)
-            .stderr(std::process::Stdio::inherit())
-            .output()
-            .map_err(|e| Failure::new(format!("cargo cannot be started: {e}")))?;
-        if !output.status.success() {
-            return Err(Failure::new("the program cannot be built"));
-        }
-        let program = String::from_utf8_lossy(&output.stdout)
-            .lines()
-            .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-            .filter_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?)))
-            .next_back()
-            .ok_or_else(|| Failure::new("cargo does not say where the program is"))?;
+        let program = crate::program::build(root).map_err(Failure::new)?;
         let (root, folder) = (root.to_owned(), folder.to_owned());
         Ok(Self { program, root, folder, began: Instant::now(), expected: [expected_s.max(1.0), 0.0] })
     }
