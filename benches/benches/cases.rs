@@ -2,7 +2,7 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use pneuflex_benches::{full_actuator, graded_actuator, two_chambers};
+use pneuflex_benches::{full_actuator, resolved_actuator, two_chambers};
 use pneuflex_model::{Formulation, Problem, Resolution, Solver};
 use pneuflex_newton::follow_path;
 
@@ -17,8 +17,8 @@ fn cases(c: &mut Criterion) {
     for (name, problem) in [
         ("two chambers, hex8-sri 1 mm", two_chambers(Formulation::Hex8Sri, 1.0)),
         ("full actuator, hex8-sri 1 mm", full_actuator(Formulation::Hex8Sri, 1.0)),
-        ("full actuator, draft", graded_actuator(Resolution::Draft)),
-        ("full actuator, standard", graded_actuator(Resolution::Standard)),
+        ("full actuator, draft", resolved_actuator(Resolution::Draft)),
+        ("full actuator, standard", resolved_actuator(Resolution::Standard)),
     ] {
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -11,13 +11,13 @@ pub fn full_actuator(formulation: Formulation, size: f64) -> Problem {
     problem(&Actuator::full(), formulation, &MeshSize::uniform(size))
 }
 
-/// The paper's full actuator, half model, hex20 on a graded mesh.
+/// The paper's full actuator, half model, hex27 (the default element) at a resolution.
 ///
 /// # Panics
 /// Never: the default lengths make a body.
-pub fn graded_actuator(resolution: Resolution) -> Problem {
+pub fn resolved_actuator(resolution: Resolution) -> Problem {
     let actuator = Actuator::full();
-    problem(&actuator, Formulation::Hex20, &resolution.mesh_size(&actuator))
+    problem(&actuator, Formulation::Hex27, &resolution.mesh_size(&actuator))
 }
 
 /// The paper's two chambers, half model, with a given element and size (mm).

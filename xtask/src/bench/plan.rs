@@ -34,7 +34,7 @@ pub struct Run {
 impl Run {
     fn paper(fixture: &'static str, chambers: usize, threads: usize) -> Self {
         let changes = vec!["output.fields=false".to_owned()];
-        Self { series: Series::Paper, fixture, chambers, resolution: "hex8-sri 1 mm".to_owned(), threads, changes }
+        Self { series: Series::Paper, fixture, chambers, resolution: "1 mm".to_owned(), threads, changes }
     }
 
     fn actuator(series: Series, chambers: usize, resolution: &str, threads: usize) -> Self {

@@ -22,6 +22,8 @@ pub struct Row {
     pub chambers: usize,
     /// Resolution, or the mesh in words.
     pub resolution: String,
+    /// Element formulation.
+    pub element: String,
     /// Unknown displacements.
     pub unknowns: usize,
     /// Number of threads.
@@ -58,6 +60,8 @@ pub struct Summary {
 /// Size of the mesh.
 #[derive(Debug, Deserialize)]
 pub struct MeshSummary {
+    /// Element formulation.
+    pub element: String,
     /// Unknown displacements.
     pub unknowns: usize,
 }
@@ -107,6 +111,7 @@ impl Runner {
             fixture: run.fixture,
             chambers: run.chambers,
             resolution: run.resolution.clone(),
+            element: summary.mesh.element,
             unknowns: summary.mesh.unknowns,
             threads: run.threads,
             converged: usage.code == Some(0),
