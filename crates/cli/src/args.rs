@@ -65,15 +65,13 @@ pub struct RunArguments {
 /// Arguments of `pneuflex converge`.
 #[derive(Debug, Args)]
 pub struct ConvergeArguments {
-    /// The case; its mesh is the coarsest.
+    /// The case; its mesh is the coarsest
     #[command(flatten)]
     pub case: CaseArguments,
-    /// Number of meshes; three are needed to see an order of convergence
+    /// Number of meshes: the case's own, every element divided by 2 along every direction, by 3 and so on. Three are needed to see
+    /// an order of convergence; start them from a coarse case, e.g. with --set mesh.resolution=draft
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=6))]
     pub levels: u8,
-    /// Ratio of the element sizes of two meshes
-    #[arg(long, value_name = "R", default_value_t = 1.4)]
-    pub ratio: f64,
     /// Folder for converge.json and convergence.svg [default: out/NAME-converge for the case file NAME.toml]; what else it holds
     /// is left alone
     #[arg(long, value_name = "DIR")]

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::args::ConvergeArguments;
 use crate::case_file::CaseFile;
-use crate::error::{CliError, InputError, say};
+use crate::error::{CliError, say};
 use crate::folder::OutputFolder;
 use crate::json;
 use crate::memory::{Estimate, thousands};
@@ -39,8 +39,8 @@ struct ConvergeFile<'a> {
 /// One mesh.
 #[derive(Debug, Serialize)]
 struct Level {
-    /// By how much all element sizes of the case are divided.
-    refinement: f64,
+    /// Number of parts into which every element of the case's mesh is divided along every direction.
+    divisions: usize,
     elements: usize,
     unknowns: usize,
     /// Edge of a cube with the mean volume of an element, mm.
@@ -74,31 +74,27 @@ struct AtPressure {
 /// Bad input, found before anything is solved or written; a result that cannot be written.
 pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
     let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
-    if !(arguments.ratio.is_finite() && (1.1..=4.0).contains(&arguments.ratio)) {
-        return Err(InputError::new("--ratio must be from 1.1 to 4").into());
-    }
     let case = &file.case;
     let base = case.mesh.mesh_size(&case.actuator);
-    let refinements: Vec<f64> = (0..arguments.levels).map(|i| arguments.ratio.powi(i32::from(i))).collect();
-    let finest = base.refined(refinements.last().copied().unwrap_or(1.0));
-    Estimate::of_size(case, &finest).guard(arguments.force)?;
+    let finest = usize::from(arguments.levels);
+    Estimate::of_size(case, &base.divided(finest)).guard(arguments.force)?;
     use_threads(arguments.threads)?;
     let default = || PathBuf::from("out").join(format!("{}-converge", file.stem()));
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
 
     let (mut levels, mut failure) = (Vec::new(), None);
-    for refinement in refinements {
-        let problem = problem_of(case, &base.refined(refinement)).map_err(|e| file.out_of_range(&e.into()))?;
+    for divisions in 1..=finest {
+        let problem = problem_of(case, &base.divided(divisions)).map_err(|e| file.out_of_range(&e.into()))?;
         if !arguments.quiet {
-            say(&format!("refined by {refinement:.3}: {} unknowns", thousands(problem.num_unknowns() as u64)));
+            say(&format!("elements divided by {divisions}: {} unknowns", thousands(problem.num_unknowns() as u64)));
         }
-        let (level, ended) = solve(case, &problem, refinement);
+        let (level, ended) = solve(case, &problem, divisions);
         if !arguments.quiet {
             say(&format!("  {} iterations in {}", level.iterations, duration(level.seconds)));
         }
         levels.push(level);
         if let Err(cause) = ended {
-            failure = Some(format!("refined by {refinement:.3}: {cause}"));
+            failure = Some(format!("elements divided by {divisions}: {cause}"));
             break;
         }
     }
@@ -137,7 +133,7 @@ fn problem_of(case: &Case, size: &MeshSize) -> Result<Problem, pneuflex_mesh::Ge
 }
 
 /// Follows the case's pressures on one mesh; what was reached is kept when it fails.
-fn solve(case: &Case, problem: &Problem, refinement: f64) -> (Level, Result<(), String>) {
+fn solve(case: &Case, problem: &Problem, divisions: usize) -> (Level, Result<(), String>) {
     let began = Instant::now();
     let mut steps = Vec::new();
     let mut measured = Ok(());
@@ -155,7 +151,7 @@ fn solve(case: &Case, problem: &Problem, refinement: f64) -> (Level, Result<(), 
     };
     let elements = problem.mesh.num_elements();
     let level = Level {
-        refinement,
+        divisions,
         elements,
         unknowns: problem.num_unknowns(),
         element_size_mm: (problem.mesh.volume() / elements as f64).cbrt(),
@@ -201,13 +197,13 @@ fn compare(levels: &[Level]) -> Vec<AtPressure> {
 
 fn report(levels: &[Level], results: &[AtPressure]) -> String {
     let mut text =
-        format!("{:>10} {:>10} {:>10} {:>9} {:>6}\n", "refined by", "elements", "unknowns", "size, mm", "iter");
+        format!("{:>10} {:>10} {:>10} {:>9} {:>6}\n", "divided by", "elements", "unknowns", "size, mm", "iter");
     for level in levels {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:>10.3} {:>10} {:>10} {:>9.3} {:>6}",
-            level.refinement,
+            "{:>10} {:>10} {:>10} {:>9.3} {:>6}",
+            level.divisions,
             thousands(level.elements as u64),
             thousands(level.unknowns as u64),
             level.element_size_mm,

@@ -8,8 +8,8 @@
 //! h(d) = min(size, edge + growth · d)
 //! ```
 //!
-//! and an interval gets ⌈∫ dx / h⌉ elements, each with the same share of the integral. Multiplying h by one factor refines a
-//! mesh without changing its grading (up to the rounding to whole elements).
+//! and an interval gets ⌈∫ dx / h⌉ elements, each with the same share of the integral. For studies of convergence every element
+//! can be divided once more: such meshes hold all nodes of the undivided one.
 
 /// How fine a lattice is: target element size per direction, at re-entrant edges, and through thin walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct MeshSize {
     pub growth: f64,
     /// Least number of elements through end, side and top walls.
     pub wall_elements: usize,
+    /// Number of parts into which every element is divided along every direction; 1 leaves it whole.
+    pub divisions: usize,
 }
 
 /// Usual growth: neighbours differ by a factor of about 2.
@@ -51,19 +53,18 @@ impl MeshSize {
 
     /// One size per direction, without grading.
     pub fn per_axis(size: [f64; 3]) -> Self {
-        Self { size, edge: f64::INFINITY, growth: GROWTH, wall_elements: 1 }
+        Self { size, edge: f64::INFINITY, growth: GROWTH, wall_elements: 1, divisions: 1 }
     }
 
-    /// All sizes divided by `factor`, also those between an edge and its surroundings; the least numbers of elements stay.
-    pub fn refined(&self, factor: f64) -> Self {
-        let size = self.size.map(|h| h / factor);
-        Self { size, edge: self.edge / factor, growth: self.growth / factor, ..*self }
+    /// The mesh of these sizes with every element divided.
+    pub fn divided(&self, divisions: usize) -> Self {
+        Self { divisions: self.divisions * divisions, ..*self }
     }
 
     /// Number of elements of an interval along an axis, a whole number that may be too large for a mesh.
     pub(crate) fn cells(&self, interval: &Interval, axis: usize) -> f64 {
         let least = if interval.is_wall { self.wall_elements.max(1) as f64 } else { 1.0 };
-        (self.density(axis).total(interval) - ROUNDING).ceil().max(least)
+        (self.density(axis).total(interval) - ROUNDING).ceil().max(least) * self.divisions.max(1) as f64
     }
 
     /// Positions of the element boundaries inside an interval and at its end, in ascending order.
@@ -187,10 +188,15 @@ mod tests {
     }
 
     #[test]
-    fn refinement_multiplies_the_number_of_elements() {
+    fn divided_elements_keep_the_nodes_and_the_grading() {
         let size = MeshSize { edge: 0.5, ..MeshSize::uniform(3.0) };
-        let interval = interval([true, false]);
-        let exact = size.density(0).total(&interval);
-        assert_eq!(size.refined(8.0).cells(&interval, 0), (8.0 * exact).ceil());
+        for edges in [[true, true], [true, false], [false, true], [false, false]] {
+            let interval = interval(edges);
+            let (whole, thirds) = (size.divide(&interval, 0), size.divided(3).divide(&interval, 0));
+            assert_eq!(thirds.len(), 3 * whole.len());
+            for (i, x) in whole.iter().enumerate() {
+                assert!((x - thirds[3 * i + 2]).abs() < 1e-12, "{edges:?}");
+            }
+        }
     }
 }

@@ -31,6 +31,13 @@ const MOST_STALE: usize = 8;
 /// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
 const RESIDUAL_FLOOR: f64 = 1e-9;
 
+/// Rounding is accepted in the residual up to this multiple of the tolerance asked for.
+const MOST_ROUNDING: f64 = 10.0;
+
+/// Unknowns up to which the tolerance of the correction's norm can be met whatever the rounding. Beyond, rounding makes the norm
+/// grow with the root of their number.
+const FEW_UNKNOWNS: f64 = 1e4;
+
 /// A correction with an old factor that is not smaller than this share of the one before is thrown away.
 const STALE_CONTRACTION: f64 = 0.5;
 
@@ -53,6 +60,8 @@ pub struct Path<'a> {
     /// The factor belongs to the present state's tangent, so it predicts the next one.
     has_factor: bool,
     size: f64,
+    /// Residual that rounding leaves per mm of the body's extent, N/mm; see [`Path::rounding`].
+    rounding_per_mm: f64,
     step: usize,
     iterations: usize,
 }
@@ -114,7 +123,10 @@ impl<'a> Path<'a> {
             multipliers: vec![0.0; 3 * n],
             contact_points: 0,
         };
-        Ok(Self { system, settings, observer, begin, state, has_factor: false, size, step: 0, iterations: 0 })
+        let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
+        let rounding_per_mm = f64::EPSILON * problem.material.bulk_modulus * element_size * (n as f64).sqrt();
+        let (has_factor, step, iterations) = (false, 0, 0);
+        Ok(Self { system, settings, observer, begin, state, has_factor, size, rounding_per_mm, step, iterations })
     }
 
     /// Newton iterations so far, those of rejected attempts included.
@@ -245,6 +257,13 @@ impl<'a> Path<'a> {
         Ok(converged)
     }
 
+    /// Residual norm that rounding leaves, N: positions x are known to ε|x|, their gradients to ε|x|/h with the element size h,
+    /// pressures to κ ε|x|/h, and forces on an element to κ ε|x| h; over n nodes that adds up to √n times as much.
+    fn rounding(&self, displacement: &[[f64; 3]]) -> f64 {
+        let largest = displacement.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        self.rounding_per_mm * (self.size + largest)
+    }
+
     /// Newton's method at one pressure from a guess `u`; `imposed` are changes wanted at held degrees of freedom.
     fn newton(
         &mut self,
@@ -256,6 +275,10 @@ impl<'a> Path<'a> {
         let pressure = pressure_kpa * MPA_PER_KPA;
         let mut multipliers = self.state.multipliers.clone();
         let load = self.system.load_norm(&u, pressure).max(f64::MIN_POSITIVE);
+        let rounding = self.rounding(&u).min(MOST_ROUNDING * self.settings.residual_tolerance * load);
+        // What a correction cannot fall below once the residual is rounding.
+        let unknowns = self.system.held().iter().filter(|held| !**held).count() as f64;
+        let rounded_tolerance = self.settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0);
         let (mut least, mut most) = (usize::MAX, 0);
         let mut last = Correction::default();
         let mut negative_pivots = 0;
@@ -320,10 +343,11 @@ impl<'a> Path<'a> {
                 self.has_factor = !is_stale;
                 return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
             }
-            if last.norm < self.settings.tolerance {
+            let is_rounding = residual <= rounding && last.norm < rounded_tolerance;
+            if last.norm < self.settings.tolerance || is_rounding {
                 self.system.assemble(&u, pressure, Request::Residual)?;
                 let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
-                if residual <= (self.settings.residual_tolerance * load).max(RESIDUAL_FLOOR) {
+                if residual <= (self.settings.residual_tolerance * load).max(rounding).max(RESIDUAL_FLOOR) {
                     if negative_pivots > 0 {
                         return Err(Cause::IndefiniteTangent { negative_pivots });
                     }

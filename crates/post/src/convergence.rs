@@ -28,7 +28,7 @@ pub struct Extrapolated {
 /// Extrapolates values computed with elements of the sizes `h`, which fall; the last three count.
 ///
 /// With three values that approach a limit by an order from 0.5 to 4 the error bar is 1.25 times the distance to the
-/// extrapolated value. Otherwise it is 3 times the largest difference of the last three.
+/// extrapolated value. Otherwise it is 3 times the difference of the last two.
 /// `None` for fewer than two values, or sizes that do not fall.
 pub fn extrapolate(h: &[f64], values: &[f64]) -> Option<Extrapolated> {
     let n = values.len().min(h.len());
@@ -43,9 +43,8 @@ pub fn extrapolate(h: &[f64], values: &[f64]) -> Option<Extrapolated> {
         let error_bar = SAFETY[0] * step.abs();
         return Some(Extrapolated { finest, extrapolated: finest + step, error_bar, order: Some(order) });
     }
-    let last = &values[n.saturating_sub(3)..n];
-    let largest = last.iter().fold(0.0_f64, |d, value| d.max((value - finest).abs()));
-    Some(Extrapolated { finest, extrapolated: finest, error_bar: SAFETY[1] * largest, order: None })
+    let change = (finest - values[n - 2]).abs();
+    Some(Extrapolated { finest, extrapolated: finest, error_bar: SAFETY[1] * change, order: None })
 }
 
 /// The order p with f = f₀ + C hᵖ through three points, by bisection over the credible range.
@@ -85,8 +84,7 @@ mod tests {
         for values in [[1.0, 2.0, 1.5], [1.0, 1.1, 2.0], [1.0, 2.0, 2.0 + 1e-9]] {
             let found = extrapolate(&[4.0, 2.0, 1.0], &values).unwrap();
             assert_eq!((found.order, found.extrapolated), (None, values[2]));
-            let difference = (values[2] - values[0]).abs().max((values[2] - values[1]).abs());
-            assert_eq!(found.error_bar, 3.0 * difference);
+            assert_eq!(found.error_bar, 3.0 * (values[2] - values[1]).abs());
         }
         assert_eq!(extrapolate(&[2.0, 1.0], &[1.0, 1.5]).unwrap().error_bar, 1.5);
         let constant = extrapolate(&[4.0, 2.0, 1.0], &[1.0; 3]).unwrap();
