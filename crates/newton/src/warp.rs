@@ -34,8 +34,6 @@ impl Warp {
     /// If a Laplacian is singular: some axis is not held anywhere on a part of the body.
     pub fn new(mesh: &Arc<Mesh>, held: &[bool], parallelism: Parallelism) -> Result<Self, FactorError> {
         let points = tabulate(mesh.kind, quadrature::volume(mesh.kind));
-        // The right-hand side is of second order in the correction: fewer points will do.
-        let few = if mesh.kind == ElementKind::Tet10 { quadrature::tetrahedron_4() } else { quadrature::hexahedron(2) };
         let pattern = BlockPattern::from_cliques(mesh.num_nodes(), (0..mesh.num_elements()).map(|e| mesh.element(e)));
         let values = laplacian(mesh, &points, &pattern);
         let symbolic = Arc::new(Symbolic::<1>::analyze(&pattern, Ordering::default())?);
@@ -58,7 +56,7 @@ impl Warp {
         let assembler = Assembler::new(mesh.num_nodes(), &[], &[]);
         Ok(Self {
             mesh: Arc::clone(mesh),
-            points: tabulate(mesh.kind, few),
+            points,
             assembler,
             totals: Totals::default(),
             factors,
