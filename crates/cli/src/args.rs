@@ -41,6 +41,20 @@ pub struct CaseArguments {
     pub set: Vec<String>,
 }
 
+/// How cases are solved.
+#[derive(Debug, Args)]
+pub struct SolveArguments {
+    /// Number of threads [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Leave out everything about progress
+    #[arg(long)]
+    pub quiet: bool,
+    /// Solve even if the estimated memory exceeds what is available
+    #[arg(long)]
+    pub force: bool,
+}
+
 /// Arguments of `pneuflex run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -51,15 +65,9 @@ pub struct RunArguments {
     /// that holds anything else is left alone
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Number of threads [default: all]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Print nothing but errors
-    #[arg(long)]
-    pub quiet: bool,
-    /// Solve even if the estimated memory exceeds what is available
-    #[arg(long)]
-    pub force: bool,
+    /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
 }
 
 /// Arguments of `pneuflex converge`.
@@ -76,15 +84,9 @@ pub struct ConvergeArguments {
     /// is left alone
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Number of threads [default: all]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Print nothing but the table and errors
-    #[arg(long)]
-    pub quiet: bool,
-    /// Solve even if the estimated memory exceeds what is available
-    #[arg(long)]
-    pub force: bool,
+    /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
 }
 
 /// Arguments of `pneuflex rod`.

@@ -77,19 +77,19 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
     let case = &file.case;
     let base = case.mesh.mesh_size(&case.actuator);
     let finest = usize::from(arguments.levels);
-    Estimate::of_size(case, &base.divided(finest)).guard(arguments.force)?;
-    use_threads(arguments.threads)?;
+    Estimate::of_size(case, &base.divided(finest)).guard(arguments.solve.force)?;
+    use_threads(arguments.solve.threads)?;
     let default = || PathBuf::from("out").join(format!("{}-converge", file.stem()));
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
 
     let (mut levels, mut failure) = (Vec::new(), None);
     for divisions in 1..=finest {
         let problem = problem_of(case, &base.divided(divisions)).map_err(|e| file.out_of_range(&e.into()))?;
-        if !arguments.quiet {
+        if !arguments.solve.quiet {
             say(&format!("elements divided by {divisions}: {} unknowns", thousands(problem.num_unknowns() as u64)));
         }
         let (level, ended) = solve(case, &problem, divisions);
-        if !arguments.quiet {
+        if !arguments.solve.quiet {
             say(&format!("  {} iterations in {}", level.iterations, duration(level.seconds)));
         }
         levels.push(level);
@@ -121,7 +121,7 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
         say(&format!("error: {failure}\n  what was computed so far is in {}", folder.path().display()));
         return Ok(Outcome::NotConverged);
     }
-    if !arguments.quiet {
+    if !arguments.solve.quiet {
         say(&format!("results are in {}", folder.path().display()));
     }
     Ok(Outcome::Converged)

@@ -40,13 +40,13 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), InputError> {
 /// Bad input, found before anything is solved or written; results that cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
-    let warning = Estimate::of(&file.case).guard(arguments.force)?;
-    use_threads(arguments.threads)?;
+    let warning = Estimate::of(&file.case).guard(arguments.solve.force)?;
+    use_threads(arguments.solve.threads)?;
     let default = || PathBuf::from("out").join(file.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
     let pressures = &file.case.load.pressure_kpa;
-    let mut progress = Progress::new(arguments.quiet, pressures.last().copied().unwrap_or(0.0));
+    let mut progress = Progress::new(arguments.solve.quiet, pressures.last().copied().unwrap_or(0.0));
     if let Some(warning) = warning {
         progress.line(&format!("warning: {warning}"));
     }
