@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+use crate::checkpoint::Checkpoint;
 
 /// One Newton iteration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,6 +69,8 @@ pub enum Event<'a> {
         /// Why.
         cause: &'a Cause,
     },
+    /// A load step is done; the path can be resumed from here.
+    StepAccepted(&'a Checkpoint),
     /// A requested pressure is reached.
     Landed(&'a LandedState),
 }
@@ -122,6 +126,9 @@ pub enum Cause {
     /// The tangent is singular.
     #[error("the tangent is singular: {0}")]
     SingularTangent(String),
+    /// Somebody asked to stop.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// A path that could not be followed to its end; everything landed on before was reported by [`Event::Landed`].
@@ -148,7 +155,7 @@ impl fmt::Display for Failure {
 impl std::error::Error for Failure {}
 
 /// Seconds spent, by kind of work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// Residual and tangent of solid and pressure.
     pub assembly_s: f64,

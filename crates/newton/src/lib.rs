@@ -3,15 +3,18 @@
 //! * [`system`]: the equations of a problem at a state: residual, tangent, factor, reactions.
 //! * [`warp`]: corrections bent into rotations.
 //! * [`path`]: Newton's method at one load and the stepping around it.
+//! * [`checkpoint`]: what is needed to go on after a kill.
 //! * [`history`]: what a run reports.
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
+pub mod checkpoint;
 pub mod history;
 pub mod path;
 pub mod system;
 pub mod warp;
 
+pub use checkpoint::Checkpoint;
 pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Timing};
-pub use path::{Path, follow_path};
+pub use path::{Path, ResumeError, follow_path};
 pub use system::{SetupError, System};

@@ -1,11 +1,13 @@
 //! Newton-Raphson at one load, and the load stepping around it (Fig. 3 of the paper, Steps 1–8).
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use pneuflex_assembly::Request;
 use pneuflex_factor::Parallelism;
 use pneuflex_model::{MPA_PER_KPA, Problem, Solver};
 
+use crate::checkpoint::{Approach, Checkpoint, Misfit};
 use crate::history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Timing};
 use crate::system::{AssembleError, SetupError, System};
 
@@ -64,6 +66,11 @@ pub struct Path<'a> {
     rounding_per_mm: f64,
     step: usize,
     iterations: usize,
+    /// The way to the next requested pressure, if it has begun.
+    approach: Option<Approach>,
+    /// Seconds spent before this path was resumed.
+    spent: Timing,
+    stop: Option<&'a AtomicBool>,
 }
 
 /// How well a load step is to be solved.
@@ -125,8 +132,51 @@ impl<'a> Path<'a> {
         };
         let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
         let rounding_per_mm = f64::EPSILON * problem.material.bulk_modulus * element_size * (n as f64).sqrt();
-        let (has_factor, step, iterations) = (false, 0, 0);
-        Ok(Self { system, settings, observer, begin, state, has_factor, size, rounding_per_mm, step, iterations })
+        Ok(Self {
+            system,
+            settings,
+            observer,
+            begin,
+            state,
+            has_factor: false,
+            size,
+            rounding_per_mm,
+            step: 0,
+            iterations: 0,
+            approach: None,
+            spent: Timing::default(),
+            stop: None,
+        })
+    }
+
+    /// Goes on from a checkpoint of the same problem: everything from here on is as if the path had never ended.
+    ///
+    /// # Errors
+    /// [`ResumeError`] if the checkpoint does not fit the problem; the path is still at rest then.
+    pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), ResumeError> {
+        checkpoint.check(self.state.displacement.len(), self.system.num_contact_points())?;
+        self.has_factor = checkpoint.linearisation.is_some();
+        if let Some(linearisation) = checkpoint.linearisation {
+            self.system.restore(linearisation)?;
+        }
+        let Checkpoint { pressure_kpa, displacement, multipliers, contact_points, .. } = checkpoint;
+        self.state = State { pressure_kpa, displacement, multipliers, contact_points };
+        (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
+        self.approach = Some(checkpoint.approach);
+        self.spent = checkpoint.timing;
+        Ok(())
+    }
+
+    /// Lets the path end with [`Cause::Interrupted`] before the next iteration once `stop` is true.
+    pub fn stop_when(&mut self, stop: &'a AtomicBool) {
+        self.stop = Some(stop);
+    }
+
+    fn check_stop(&self) -> Result<(), Cause> {
+        match self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => Err(Cause::Interrupted),
+            _ => Ok(()),
+        }
     }
 
     /// Newton iterations so far, those of rejected attempts included.
@@ -136,7 +186,14 @@ impl<'a> Path<'a> {
 
     /// Seconds spent so far.
     pub fn timing(&self) -> Timing {
-        Timing { total_s: self.begin.elapsed().as_secs_f64(), ..self.system.timing }
+        let now = Timing { total_s: self.begin.elapsed().as_secs_f64(), ..self.system.timing };
+        Timing {
+            assembly_s: self.spent.assembly_s + now.assembly_s,
+            factor_s: self.spent.factor_s + now.factor_s,
+            solve_s: self.spent.solve_s + now.solve_s,
+            contact_s: self.spent.contact_s + now.contact_s,
+            total_s: self.spent.total_s + now.total_s,
+        }
     }
 
     /// Displacements of the present equilibrium, mm.
@@ -154,37 +211,56 @@ impl<'a> Path<'a> {
     /// # Errors
     /// [`Failure`] when the step falls below its least size; the present equilibrium is then the last one reached.
     pub fn advance_to(&mut self, pressure_kpa: f64) -> Result<LandedState, Failure> {
-        let iterations_before = self.iterations;
-        let mut load_steps = 0;
-        let mut size = self.settings.first_step_kpa.max(self.settings.min_step_kpa);
-        if self.state.pressure_kpa > 0.0 {
-            size = self.settings.max_step_kpa;
-        }
+        let step_kpa = match self.state.pressure_kpa > 0.0 {
+            true => self.settings.max_step_kpa,
+            false => self.settings.first_step_kpa.max(self.settings.min_step_kpa),
+        };
+        let fresh = Approach { step_kpa, load_steps: 0, iterations_before: self.iterations };
+        let mut approach = self.approach.take().unwrap_or(fresh);
         while self.state.pressure_kpa < pressure_kpa {
             let start = self.state.pressure_kpa;
             // A last step that would leave a crumb takes it along.
-            let is_last = pressure_kpa - start <= 1.01 * size;
-            let wanted = if is_last { pressure_kpa } else { start + size };
+            let is_last = pressure_kpa - start <= 1.01 * approach.step_kpa;
+            let wanted = if is_last { pressure_kpa } else { start + approach.step_kpa };
             self.step += 1;
             match self.load_step(wanted, pressure_kpa) {
                 Ok(converged) => {
-                    load_steps += 1;
+                    approach.load_steps += 1;
                     if converged.iterations <= 8 {
-                        size = (2.0 * (wanted - start)).min(self.settings.max_step_kpa);
+                        approach.step_kpa = (2.0 * (wanted - start)).min(self.settings.max_step_kpa);
                     }
                     self.state = converged.state;
+                    let checkpoint = self.checkpoint(approach);
+                    (self.observer)(Event::StepAccepted(&checkpoint));
                 }
                 Err(cause) => {
-                    (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: wanted, cause: &cause });
-                    self.has_factor = false;
-                    size = 0.5 * (wanted - start);
-                    if size < self.settings.min_step_kpa {
+                    if cause != Cause::Interrupted {
+                        (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: wanted, cause: &cause });
+                        self.has_factor = false;
+                        approach.step_kpa = 0.5 * (wanted - start);
+                    }
+                    if cause == Cause::Interrupted || approach.step_kpa < self.settings.min_step_kpa {
                         return Err(Failure { reached_kpa: start, attempted_kpa: wanted, cause });
                     }
                 }
             }
         }
-        Ok(self.land(self.iterations - iterations_before, load_steps))
+        Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
+    }
+
+    fn checkpoint(&self, approach: Approach) -> Checkpoint {
+        let State { pressure_kpa, displacement, multipliers, contact_points } = self.state.clone();
+        Checkpoint {
+            pressure_kpa,
+            displacement,
+            multipliers,
+            contact_points,
+            step: self.step,
+            iterations: self.iterations,
+            timing: self.timing(),
+            approach,
+            linearisation: self.system.linearisation().filter(|_| self.has_factor).cloned(),
+        }
     }
 
     /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present pressure.
@@ -224,6 +300,7 @@ impl<'a> Path<'a> {
         let start = self.state.pressure_kpa;
         let mut u = self.state.displacement.clone();
         let mut iterations = 0;
+        self.check_stop()?;
         if !self.has_factor {
             self.system.carry_pressures(&u);
             self.system.assemble(&u, start * MPA_PER_KPA, Request::Tangent)?;
@@ -284,6 +361,7 @@ impl<'a> Path<'a> {
         let mut negative_pivots = 0;
         let (mut iteration, mut stale) = (0, 0);
         while iteration < self.settings.max_iterations {
+            self.check_stop()?;
             // An old factor serves as long as it contracts well; a new one is an iteration.
             let is_stale = iteration > 0 && last.largest < STALE_BELOW && last.goes_on && stale < MOST_STALE;
             if is_stale {
@@ -395,6 +473,17 @@ impl<'a> Path<'a> {
 
 fn scaled(field: &[[f64; 3]], factor: f64) -> Vec<[f64; 3]> {
     field.iter().map(|x| x.map(|t| factor * t)).collect()
+}
+
+/// A path that cannot go on from a checkpoint.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ResumeError {
+    /// It belongs to another problem.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
+    /// Its tangent cannot be made again.
+    #[error("the checkpoint's tangent cannot be made again: {0}")]
+    Tangent(#[from] AssembleError),
 }
 
 impl From<AssembleError> for Cause {

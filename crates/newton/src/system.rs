@@ -10,6 +10,7 @@ use pneuflex_factor::{Factor, FactorError, Inertia, Ordering, Parallelism, Symbo
 use pneuflex_mesh::Mesh;
 use pneuflex_model::Problem;
 
+use crate::checkpoint::{Carried, Linearisation};
 use crate::history::Timing;
 use crate::warp::Warp;
 
@@ -44,8 +45,10 @@ pub struct System {
     /// Touching blocks of the last assembly, and the node positions it was made at.
     touching: Vec<ContactBlock>,
     positions: Vec<[f64; 3]>,
-    /// Displacement and correction from which the next tangent's carried pressures follow.
-    pending: Option<[Vec<[f64; 3]>; 2]>,
+    /// What the next tangent's carried pressures follow from, if they are not those of the tangent before.
+    pending: Option<Carried>,
+    /// Where the last tangent was assembled.
+    linearisation: Option<Linearisation>,
     /// Traction of every contact point that the linearisation carries, MPa.
     carried_tractions: Vec<f64>,
     assembler: Assembler,
@@ -86,6 +89,7 @@ impl System {
             touching: Vec::new(),
             positions: Vec::new(),
             pending: None,
+            linearisation: None,
             carried_tractions,
             assembler,
             factor,
@@ -124,6 +128,11 @@ impl System {
         request: Request,
     ) -> Result<(), AssembleError> {
         let start = Instant::now();
+        if request == Request::Tangent {
+            self.linearise_at(displacement, pressure);
+            self.timing.assembly_s += start.elapsed().as_secs_f64();
+        }
+        let start = Instant::now();
         self.pressure.pressure = pressure;
         let positions = self.positions(displacement);
         let mut contact = Contact::search(&self.contact, positions.clone());
@@ -143,11 +152,6 @@ impl System {
         self.contact_points = contact.num_points();
 
         let start = Instant::now();
-        if request == Request::Tangent
-            && let Some([displacement, correction]) = self.pending.take()
-        {
-            self.solid.update_pressures(&displacement, &correction);
-        }
         self.assembler.reset(&mut self.totals, request);
         self.assembler.add(SOLID, &self.solid, displacement, request, &mut self.totals)?;
         self.assembler.add(PRESSURE, &self.pressure, displacement, request, &mut self.totals)?;
@@ -158,6 +162,48 @@ impl System {
         self.positions = positions;
         self.timing.contact_s += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Brings the carried pressures up to date and notes what the tangent is made from.
+    fn linearise_at(&mut self, displacement: &[[f64; 3]], pressure: f64) {
+        let before = self.linearisation.take().map(|linearisation| linearisation.carried);
+        let carried = match (self.pending.take(), before) {
+            (Some(new), _) => {
+                match &new.correction {
+                    Some(correction) => self.solid.update_pressures(&new.displacement, correction),
+                    None => self.solid.carry_pressures(&new.displacement),
+                }
+                new
+            }
+            (None, Some(old)) => old,
+            // Nothing was ever carried: the pressures at rest, which are zero.
+            (None, None) => Carried { displacement: vec![[0.0; 3]; displacement.len()], correction: None },
+        };
+        let tractions = self.carried_tractions.clone();
+        self.linearisation = Some(Linearisation { pressure, displacement: displacement.to_vec(), carried, tractions });
+    }
+
+    /// Where the last tangent was assembled.
+    pub fn linearisation(&self) -> Option<&Linearisation> {
+        self.linearisation.as_ref()
+    }
+
+    /// Assembles and factorises the tangent of an earlier linearisation again. Its lists must have this problem's lengths.
+    ///
+    /// # Errors
+    /// An element turned inside out or a singular tangent, which an earlier linearisation of the same problem has not.
+    pub fn restore(&mut self, linearisation: Linearisation) -> Result<(), AssembleError> {
+        let Linearisation { pressure, displacement, carried, tractions } = linearisation;
+        self.pending = Some(carried);
+        self.carried_tractions = tractions;
+        self.assemble(&displacement, pressure, Request::Tangent)?;
+        self.factorize()?;
+        Ok(())
+    }
+
+    /// Number of contact points, touching or not.
+    pub fn num_contact_points(&self) -> usize {
+        self.carried_tractions.len()
     }
 
     /// Norm of the pressure's forces on the free degrees of freedom at a displacement, N: the scale of the residual.
@@ -238,7 +284,7 @@ impl System {
     /// of them under a correction.
     pub fn carry(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
         let start = Instant::now();
-        self.pending = Some([displacement.to_vec(), correction.to_vec()]);
+        self.pending = Some(Carried { displacement: displacement.to_vec(), correction: Some(correction.to_vec()) });
         self.carried_tractions.fill(0.0);
         for block in &self.touching {
             for (number, traction) in predicted_tractions(&self.contact, block, &self.positions, correction) {
@@ -276,8 +322,7 @@ impl System {
 
     /// Restarts the carried pressures and contact tractions from those of a displacement.
     pub fn carry_pressures(&mut self, displacement: &[[f64; 3]]) {
-        self.solid.carry_pressures(displacement);
-        self.pending = None;
+        self.pending = Some(Carried { displacement: displacement.to_vec(), correction: None });
         self.carried_tractions.fill(0.0);
         for point in self.contact.search(&self.positions(displacement)).iter().flat_map(|block| &block.points) {
             self.carried_tractions[point.number] = point.traction;

@@ -3,6 +3,7 @@
 //! * [`cross_check`]: element, contribution, global residual and tangent, one Newton step, load path (design §2).
 //! * [`snapshots`]: what the two standard cases come out at, production and reference alike.
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
+//! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`penetration`]: what the two contact variants let through.
 
 // Helpers count as tests here.
@@ -12,4 +13,5 @@ mod balance;
 mod cross_check;
 mod fixtures;
 mod penetration;
+mod resume;
 mod snapshots;

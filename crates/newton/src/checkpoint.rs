@@ -1,0 +1,97 @@
+//! What is needed to go on from an accepted load step as if nothing had happened.
+//!
+//! A path remembers more than its equilibrium: the next step is predicted with the factor of a tangent that was assembled one or more
+//! corrections before. That factor is not stored but made again, from the displacement and the carried stresses it came from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::history::Timing;
+
+/// An accepted load step and the path's memory.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Pressure reached, kPa.
+    pub pressure_kpa: f64,
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// Multipliers λ of the supports, N, three per node.
+    pub multipliers: Vec<f64>,
+    /// Contact points that carry traction.
+    pub contact_points: usize,
+    /// Load steps attempted.
+    pub step: usize,
+    /// Newton iterations so far.
+    pub iterations: usize,
+    /// Seconds spent so far.
+    pub timing: Timing,
+    /// How far the path is on its way to the next requested pressure.
+    pub approach: Approach,
+    /// Tangent whose factor predicts the next step.
+    pub linearisation: Option<Linearisation>,
+}
+
+/// The way to a requested pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Approach {
+    /// Size of the next load step, kPa.
+    pub step_kpa: f64,
+    /// Load steps accepted since the previous requested pressure.
+    pub load_steps: usize,
+    /// Iterations up to the previous requested pressure.
+    pub iterations_before: usize,
+}
+
+/// A tangent by what it is made from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Linearisation {
+    /// Air pressure, MPa.
+    pub pressure: f64,
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// Source of the carried pressures.
+    pub carried: Carried,
+    /// Carried traction of every contact point, MPa.
+    pub tractions: Vec<f64>,
+}
+
+/// What carried pressures follow from: a displacement, and the correction the linear system found there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Carried {
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// Correction, mm; `None` if the pressures are those of the displacement itself.
+    pub correction: Option<Vec<[f64; 3]>>,
+}
+
+/// A checkpoint that belongs to another problem, or is damaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the checkpoint does not fit the problem: {0}")]
+pub struct Misfit(&'static str);
+
+impl Checkpoint {
+    /// Checks that every list has the length that a problem asks for and every number is finite.
+    ///
+    /// # Errors
+    /// What does not fit.
+    pub fn check(&self, num_nodes: usize, num_contact_points: usize) -> Result<(), Misfit> {
+        let field = |values: &[[f64; 3]]| values.len() == num_nodes && is_finite(values.as_flattened());
+        let fits = field(&self.displacement) && self.multipliers.len() == 3 * num_nodes && is_finite(&self.multipliers);
+        let pressures = [self.pressure_kpa, self.approach.step_kpa];
+        if !fits || !is_finite(&pressures) || self.pressure_kpa <= 0.0 || self.approach.step_kpa <= 0.0 {
+            return Err(Misfit("its state"));
+        }
+        let Some(linearisation) = &self.linearisation else { return Ok(()) };
+        let Linearisation { pressure, displacement, carried, tractions } = linearisation;
+        let fits = field(displacement)
+            && field(&carried.displacement)
+            && carried.correction.as_ref().is_none_or(|correction| field(correction))
+            && tractions.len() == num_contact_points
+            && is_finite(tractions)
+            && pressure.is_finite();
+        if fits { Ok(()) } else { Err(Misfit("its tangent")) }
+    }
+}
+
+fn is_finite(values: &[f64]) -> bool {
+    values.iter().all(|x| x.is_finite())
+}

@@ -1,0 +1,100 @@
+//! A path that goes on from a checkpoint is the path that never ended.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pneuflex_model::{ContactMethod, Formulation, Invariant, Problem, Solver};
+use pneuflex_newton::{Cause, Checkpoint, Event, LandedState, Path, ResumeError};
+
+use crate::fixtures::{coarse_chambers, difference};
+
+const PRESSURES_KPA: [f64; 3] = [5.0, 25.0, 35.0];
+
+/// Small steps, so that most checkpoints are between requested pressures.
+fn settings() -> Solver {
+    Solver { max_step_kpa: 6.0, ..Solver::default() }
+}
+
+fn problem() -> Problem {
+    coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint)
+}
+
+fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<LandedState>) {
+    let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
+    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.pressure_kpa);
+    let settings = settings();
+    let mut observer = |event: Event<'_>| {
+        if let Event::StepAccepted(checkpoint) = event {
+            checkpoints.push(checkpoint.clone());
+        }
+    };
+    let mut path = Path::new(problem, &settings, &mut observer).unwrap();
+    if let Some(checkpoint) = checkpoint {
+        path.resume(checkpoint).unwrap();
+    }
+    for pressure in PRESSURES_KPA.into_iter().filter(|pressure| *pressure >= from) {
+        landed.push(path.advance_to(pressure).unwrap());
+    }
+    (checkpoints, landed)
+}
+
+#[test]
+fn every_checkpoint_leads_to_the_same_end() {
+    let problem = problem();
+    let (checkpoints, expected) = follow_from(&problem, None);
+    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.pressure_kpa)).count();
+    assert!(between > 3 && expected.last().unwrap().contact_points > 0);
+    assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
+    for checkpoint in checkpoints {
+        let at = checkpoint.pressure_kpa;
+        let (_, landed) = follow_from(&problem, Some(checkpoint));
+        let expected = &expected[expected.len() - landed.len()..];
+        for (found, expected) in landed.iter().zip(expected) {
+            let u = difference(&found.displacement, &expected.displacement);
+            let reaction = difference(&found.reaction, &expected.reaction);
+            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.pressure_kpa);
+            assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
+            assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
+        }
+    }
+}
+
+#[test]
+fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
+    let problem = problem();
+    let settings = settings();
+    let (_, expected) = follow_from(&problem, None);
+    let stop = AtomicBool::new(false);
+    let (mut iterations, mut last) = (0, None);
+    let mut observer = |event: Event<'_>| match event {
+        Event::StepAccepted(checkpoint) => last = Some(checkpoint.clone()),
+        Event::Iteration(record) => {
+            iterations += 1;
+            // In the middle of a step on the way to the second pressure.
+            stop.store(record.pressure_kpa > 10.0, Ordering::Relaxed);
+        }
+        Event::StepRejected { cause, .. } => panic!("{cause}"),
+        _ => (),
+    };
+    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+    path.stop_when(&stop);
+    path.advance_to(5.0).unwrap();
+    let failure = path.advance_to(25.0).unwrap_err();
+    assert_eq!(failure.cause, Cause::Interrupted);
+    let (_, landed) = follow_from(&problem, last);
+    assert!(difference(&landed[0].displacement, &expected[1].displacement) < 1e-10);
+}
+
+#[test]
+fn a_checkpoint_of_another_problem_is_refused() {
+    let problem = problem();
+    let (checkpoints, _) = follow_from(&problem, None);
+    let settings = settings();
+    let mut observer = |_: Event<'_>| ();
+    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+    let mut short = checkpoints[0].clone();
+    short.displacement.pop();
+    assert!(matches!(path.resume(short).unwrap_err(), ResumeError::Misfit(_)));
+    let mut undefined = checkpoints[0].clone();
+    undefined.multipliers[0] = f64::NAN;
+    assert!(matches!(path.resume(undefined).unwrap_err(), ResumeError::Misfit(_)));
+}
