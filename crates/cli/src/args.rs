@@ -14,7 +14,7 @@ pub struct Arguments {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done (for run: converged), 1 an output could not be written, 2 bad input, \
-                          3 not converged.";
+                          3 not converged, 130 interrupted.";
 
 /// The program's commands.
 #[derive(Debug, Subcommand)]
@@ -65,6 +65,10 @@ pub struct RunArguments {
     /// that holds anything else is left alone
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Go on with a run of this case that was interrupted or killed, from its last load step; the results are those of a run
+    /// that never stopped. Starts from the beginning where there is nothing to go on with
+    #[arg(long)]
+    pub resume: bool,
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,

@@ -111,9 +111,9 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
         failure,
     };
     let text = json::pretty(&content).map_err(|e| CliError::Output(format!("converge.json: {e}")))?;
-    folder.write("converge.json", &text).map_err(CliError::Output)?;
+    folder.write("converge.json", text).map_err(CliError::Output)?;
     if let Ok(drawing) = drawing {
-        folder.write("convergence.svg", &drawing).map_err(CliError::Output)?;
+        folder.write("convergence.svg", drawing).map_err(CliError::Output)?;
     }
     // Nobody reading on is no error.
     let _ = io::stdout().write_all(table.as_bytes());

@@ -1,7 +1,7 @@
 //! The output folder: who owns it, and files that are never half written.
 
 use std::fmt::Display;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -12,36 +12,42 @@ use crate::error::InputError;
 /// First words of a resolved case file, by which an output folder is recognised.
 pub const CASE_MARK: &str = "# pneuflex";
 
-/// A folder that is ready to be written to.
+/// The files of a run besides its fields.
+const RESULTS: [&str; 5] = ["summary.json", "history.jsonl", "case.toml", "checkpoint.bin", "report.html"];
+
+/// File by which runs keep out of each other's way where a folder cannot be locked. The system forgets the lock when its owner
+/// ends, however it ends.
+const LOCK: &str = ".pneuflex.lock";
+
+/// A folder that is ready to be written to, and by nobody else.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
+    _lock: File,
 }
 
 impl OutputFolder {
-    /// Makes sure that the folder exists, can be written to and holds nothing but results of this program, and removes
-    /// those of an earlier run.
+    /// Makes sure that the folder exists, can be written to and holds nothing but results of this program; those of an earlier
+    /// run stay until [`Self::clear`].
     ///
     /// # Errors
     /// A path that is no folder, cannot be created or written to, or holds something else.
     pub fn prepare(path: &Path) -> Result<Self, InputError> {
         let problem = |what: &str, error: io::Error| refused(path, format!("{what}: {error}"));
         if path.is_dir() {
-            let is_empty = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.next().is_none();
-            if !is_empty && !is_ours(path) {
+            let mut entries = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.flatten();
+            if entries.any(|entry| entry.file_name() != LOCK) && !is_ours(path) {
                 return Err(InputError::file(path, "the folder holds files that are no results of pneuflex")
                     .help(Some("choose another folder with --out; nothing was touched".into())));
             }
         }
-        let folder = Self::to_add_to(path)?;
-        folder.clear().map_err(|e| problem("results of an earlier run cannot be removed", e))?;
-        Ok(folder)
+        Self::to_add_to(path)
     }
 
     /// Makes sure that the folder exists and can be written to; nothing in it is removed.
     ///
     /// # Errors
-    /// A path that is no folder, cannot be created or written to.
+    /// A path that is no folder, cannot be created or written to, or is being written to by another run.
     pub fn to_add_to(path: &Path) -> Result<Self, InputError> {
         let problem = |what: &str, error: io::Error| refused(path, format!("{what}: {error}"));
         if path.exists() && !path.is_dir() {
@@ -52,12 +58,32 @@ impl OutputFolder {
         let not_writable = |e| problem("the output folder is not writable", e);
         fs::write(&trial, "trial").map_err(not_writable)?;
         fs::remove_file(&trial).map_err(not_writable)?;
-        Ok(Self { path: path.to_owned() })
+        // The folder itself is locked where it can be opened like a file (not on Windows).
+        let lock = File::open(path).or_else(|_| File::create(path.join(LOCK))).map_err(not_writable)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(InputError::file(path, "another run is writing to this folder")
+                    .help(Some("wait until it has ended, or choose another folder with --out".into())));
+            }
+            // A file system without locks: nothing can be promised, but nothing is wrong either.
+            Err(TryLockError::Error(_)) => {}
+        }
+        Ok(Self { path: path.to_owned(), _lock: lock })
     }
 
-    fn clear(&self) -> io::Result<()> {
+    /// Removes the results of an earlier run.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn clear(&self) -> Result<(), InputError> {
+        self.remove_results()
+            .map_err(|e| refused(&self.path, format!("results of an earlier run cannot be removed: {e}")))
+    }
+
+    fn remove_results(&self) -> io::Result<()> {
         let fields = self.path.join("fields");
-        let mut old: Vec<PathBuf> = ["summary.json", "history.jsonl", "case.toml"].map(|f| self.path.join(f)).into();
+        let mut old: Vec<PathBuf> = RESULTS.map(|f| self.path.join(f)).into();
         old.push(fields.join("series.pvd"));
         if fields.is_dir() {
             for entry in fs::read_dir(&fields)? {
@@ -82,32 +108,61 @@ impl OutputFolder {
         &self.path
     }
 
-    /// Writes a file of the folder; a reader sees the old text or the new one, never a part.
+    /// Writes a file of the folder; a reader sees the old contents or the new ones, never a part.
     ///
     /// # Errors
     /// Whatever the file system says, with the file's name.
-    pub fn write(&self, name: &str, text: &str) -> Result<(), String> {
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), String> {
         let target = self.path.join(name);
+        let temporary = target.with_extension("part");
         let write = || -> io::Result<()> {
-            if let Some(parent) = target.parent() {
-                fs::create_dir_all(parent)?;
+            if let Some(parent) = target.parent().filter(|parent| *parent != self.path && !parent.is_dir()) {
+                // Not the folder itself: if that has gone away, somebody has moved it.
+                fs::create_dir(parent)?;
             }
-            let temporary = target.with_extension("part");
             let mut file = File::create(&temporary)?;
-            file.write_all(text.as_bytes())?;
+            file.write_all(contents.as_ref())?;
             file.sync_data()?;
             fs::rename(&temporary, &target)
         };
-        write().map_err(|e| format!("{}: cannot be written: {e}", target.display()))
+        write().map_err(|error| {
+            let _ = fs::remove_file(&temporary);
+            self.cannot_write(name, &error)
+        })
     }
 
-    /// Opens a file of the folder for writing line by line.
+    /// The contents of a file of the folder, if it can be read.
+    pub fn read(&self, name: &str) -> Option<Vec<u8>> {
+        fs::read(self.path.join(name)).ok()
+    }
+
+    /// Opens a file of the folder for writing line by line after its first `keep` bytes.
     ///
     /// # Errors
     /// Whatever the file system says, with the file's name.
-    pub fn create(&self, name: &str) -> Result<File, String> {
-        let target = self.path.join(name);
-        File::create(&target).map_err(|e| format!("{}: cannot be written: {e}", target.display()))
+    pub fn append(&self, name: &str, keep: u64) -> Result<File, String> {
+        let open = || -> io::Result<File> {
+            let file = OpenOptions::new().create(true).truncate(false).write(true).open(self.path.join(name))?;
+            let kept = file.metadata()?.len().min(keep);
+            file.set_len(kept)?;
+            drop(file);
+            OpenOptions::new().append(true).open(self.path.join(name))
+        };
+        open().map_err(|e| self.cannot_write(name, &e))
+    }
+
+    /// What to say of a file that cannot be written.
+    pub fn cannot_write(&self, name: &str, error: &io::Error) -> String {
+        let file = self.path.join(name);
+        match error.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                format!("{}: cannot be written: the disk is full", file.display())
+            }
+            io::ErrorKind::NotFound if !self.path.is_dir() => {
+                format!("{}: the output folder has gone away during the run", self.path.display())
+            }
+            _ => format!("{}: cannot be written: {error}", file.display()),
+        }
     }
 }
 
@@ -145,13 +200,25 @@ mod tests {
         fs::write(path.join("fields/step_01.vtu"), "old").unwrap();
         fs::write(path.join("fields/notes.txt"), "kept").unwrap();
         let folder = OutputFolder::prepare(&path).unwrap();
+        assert!(path.join("summary.json").exists());
+        let second = OutputFolder::prepare(&path).unwrap_err().to_string();
+        assert!(second.contains("another run is writing"), "{second}");
+        folder.clear().unwrap();
         assert!(!path.join("summary.json").exists() && !path.join("fields/step_01.vtu").exists());
         assert!(path.join("fields/notes.txt").exists());
 
         folder.write("fields/step_01.vtu", "new").unwrap();
         assert_eq!(fs::read_to_string(path.join("fields/step_01.vtu")).unwrap(), "new");
         assert_eq!(fs::read_dir(path.join("fields")).unwrap().count(), 2);
+
+        fs::write(path.join("lines"), "one\ntwo\n").unwrap();
+        folder.append("lines", 4).unwrap().write_all(b"three\n").unwrap();
+        assert_eq!(fs::read_to_string(path.join("lines")).unwrap(), "one\nthree\n");
+
         fs::remove_dir_all(&path).unwrap();
+        let gone = folder.write("summary.json", "new").unwrap_err();
+        assert!(gone.contains("has gone away") && !path.exists(), "{gone}");
+        assert!(folder.write("fields/step_01.vtu", "new").unwrap_err().contains("has gone away"));
     }
 
     #[test]

@@ -3,17 +3,20 @@
 //! * [`args`]: the command line.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
 //! * [`check`], [`converge`], [`new`], [`run`], [`rod`]: the commands.
-//! * [`folder`], [`recorder`], [`json`]: the output folder.
+//! * [`folder`], [`recorder`], [`checkpoint`], [`json`]: the output folder.
+//! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //! * [`memory`], [`progress`]: estimates and progress.
 //!
-//! Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 not converged.
+//! Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 not converged, 130 interrupted.
 
 mod args;
 mod case_file;
 mod check;
+mod checkpoint;
 mod converge;
 mod error;
 mod folder;
+mod interrupt;
 mod json;
 mod memory;
 mod new;
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
     match done {
         Ok(Outcome::Converged) => ExitCode::SUCCESS,
         Ok(Outcome::NotConverged) => ExitCode::from(3),
+        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
         Err(error) => {
             error.print();
             ExitCode::from(match error {

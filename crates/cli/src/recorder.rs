@@ -6,11 +6,12 @@ use std::io::Write;
 use std::time::Instant;
 
 use pneuflex_model::{Case, Problem};
-use pneuflex_newton::{Failure, IterationRecord, LandedState, PathReport, Timing};
+use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, LandedState, PathReport, Timing};
 use pneuflex_post::summary::{ProbeSite, State, StepSummary, describe, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
 use serde::Serialize;
 
+use crate::checkpoint::{self, Recorded};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
 
@@ -36,6 +37,7 @@ enum Status {
     Running,
     Converged,
     NotConverged,
+    Interrupted,
 }
 
 #[derive(Debug, Serialize)]
@@ -66,6 +68,7 @@ struct RunTiming {
 pub struct Recorder<'a> {
     folder: OutputFolder,
     history: File,
+    history_bytes: u64,
     case: &'a Case,
     problem: &'a Problem,
     summary: Summary,
@@ -78,11 +81,12 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Starts the output of a run: the resolved case, an empty history, a summary without steps.
+    /// Starts the output of a run, or goes on with what was recorded up to a checkpoint: the resolved case, the history, the
+    /// summary.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn new(folder: OutputFolder, case: &'a Case, problem: &'a Problem) -> Result<Self, String> {
+    pub fn new(folder: OutputFolder, case: &'a Case, problem: &'a Problem, recorded: Recorded) -> Result<Self, String> {
         let mesh = MeshSummary {
             nodes: problem.mesh.num_nodes(),
             elements: problem.mesh.num_elements(),
@@ -99,16 +103,16 @@ impl<'a> Recorder<'a> {
             probes: probe_sites(&problem.mesh, &case.probes),
             steps: Vec::new(),
             iterations_total: 0,
-            timing: RunTiming::default(),
+            timing: RunTiming { output_s: recorded.output_s, ..RunTiming::default() },
         };
-        let mesh = case.mesh.resolved(&case.actuator);
-        let resolved = toml::to_string(&Case { mesh, ..case.clone() }).map_err(|e| format!("case.toml: {e}"))?;
+        let resolved = toml::to_string(&case.resolved()).map_err(|e| format!("case.toml: {e}"))?;
         let header = format!("{CASE_MARK} {}: the case as it was solved, with every default\n\n", summary.version);
-        folder.write("case.toml", &(header + &resolved))?;
-        let history = folder.create("history.jsonl")?;
-        let recorder = Self {
+        folder.write("case.toml", header + &resolved)?;
+        let history = folder.append("history.jsonl", recorded.history_bytes)?;
+        let mut recorder = Self {
             folder,
             history,
+            history_bytes: recorded.history_bytes,
             case,
             problem,
             summary,
@@ -117,8 +121,23 @@ impl<'a> Recorder<'a> {
             open_iterations: 0,
             error: None,
         };
+        for step in recorded.steps {
+            recorder.list_fields(step.pressure_kpa);
+            recorder.summary.iterations_total += step.iterations;
+            recorder.summary.steps.push(Step::Landed(Box::new(step)));
+        }
         recorder.write_summary()?;
         Ok(recorder)
+    }
+
+    /// Lists the field files of the next landed pressure in the series, as far as they are there.
+    fn list_fields(&mut self, pressure_kpa: f64) {
+        for (part, name) in ["step", "contact"].into_iter().enumerate() {
+            let file = format!("{name}_{:02}.vtu", self.summary.steps.len() + 1);
+            if self.folder.path().join("fields").join(&file).is_file() {
+                self.series.push(SeriesEntry { time: pressure_kpa, part, file });
+            }
+        }
     }
 
     /// Records an iteration.
@@ -127,9 +146,33 @@ impl<'a> Recorder<'a> {
         let is_new = usize::from(record.new_tangent);
         self.summary.iterations_total += is_new;
         self.open_iterations += is_new;
-        let written = json::line(record)
-            .and_then(|line| self.history.write_all(line.as_bytes()).map_err(|e| format!("history.jsonl: {e}")));
+        let written = json::line(record).and_then(|line| {
+            self.history_bytes += line.len() as u64;
+            self.history.write_all(line.as_bytes()).map_err(|e| self.folder.cannot_write("history.jsonl", &e))
+        });
         self.keep(written);
+    }
+
+    /// Records an accepted load step, to go on from if the run ends here.
+    pub fn step_accepted(&mut self, path: &Checkpoint) {
+        if self.error.is_some() {
+            return;
+        }
+        let began = Instant::now();
+        let landed = |step: &Step| match step {
+            Step::Landed(step) => Some((**step).clone()),
+            Step::Failed { .. } => None,
+        };
+        let steps = self.summary.steps.iter().filter_map(landed).collect();
+        let recorded = Recorded { steps, history_bytes: self.history_bytes, output_s: self.summary.timing.output_s };
+        let written = checkpoint::store(&self.folder, &recorded, path);
+        self.summary.timing.output_s += began.elapsed().as_secs_f64();
+        self.keep(written);
+    }
+
+    /// Whether something could not be recorded: there is no use in going on then.
+    pub fn has_failed(&self) -> bool {
+        self.error.is_some()
     }
 
     /// Records a landed pressure; returns its summary unless something went wrong.
@@ -163,14 +206,13 @@ impl<'a> Recorder<'a> {
         if self.case.output.fields {
             let (body, walls) = described.field_files(self.problem, &state).map_err(at)?;
             let number = self.summary.steps.len() + 1;
-            for (part, (name, text)) in [("step", Some(body)), ("contact", walls)].into_iter().enumerate() {
+            for (name, text) in [("step", Some(body)), ("contact", walls)] {
                 if let Some(text) = text {
-                    let file = format!("{name}_{number:02}.vtu");
-                    self.folder.write(&format!("fields/{file}"), &text)?;
-                    self.series.push(SeriesEntry { time: landed.pressure_kpa, part, file });
+                    self.folder.write(&format!("fields/{name}_{number:02}.vtu"), &text)?;
                 }
             }
-            self.folder.write("fields/series.pvd", &series(&self.series))?;
+            self.list_fields(landed.pressure_kpa);
+            self.folder.write("fields/series.pvd", series(&self.series))?;
         }
         self.summary.steps.push(Step::Landed(Box::new(described.summary)));
         Ok(())
@@ -195,8 +237,12 @@ impl<'a> Recorder<'a> {
             (None, None, Some(pressure)) => Some(format!("{pressure} kPa was not reached")),
             (None, None, None) => None,
         };
-        self.summary.status = if self.summary.failure.is_none() { Status::Converged } else { Status::NotConverged };
-        if let Some(pressure_kpa) = missed {
+        self.summary.status = match (&self.summary.failure, failure) {
+            (None, _) => Status::Converged,
+            (_, Some(Failure { cause: Cause::Interrupted, .. })) => Status::Interrupted,
+            _ => Status::NotConverged,
+        };
+        if let Some(pressure_kpa) = missed.filter(|_| self.summary.status == Status::NotConverged) {
             self.summary.steps.push(Step::Failed { pressure_kpa, converged: false, iterations: self.open_iterations });
         }
         let written = self.write_summary();
@@ -211,7 +257,7 @@ impl<'a> Recorder<'a> {
 
     fn write_summary(&self) -> Result<(), String> {
         let text = json::pretty(&self.summary).map_err(|e| format!("summary.json: {e}"))?;
-        self.folder.write("summary.json", &text)
+        self.folder.write("summary.json", text)
     }
 
     fn keep(&mut self, result: Result<(), String>) {

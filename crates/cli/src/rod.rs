@@ -170,7 +170,7 @@ pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
         shapes,
     };
     let json = json::pretty(&content).map_err(|e| CliError::Output(format!("rod.json: {e}")))?;
-    folder.write("rod.json", &json).map_err(CliError::Output)?;
+    folder.write("rod.json", json).map_err(CliError::Output)?;
     progress(&format!("results are in {}", folder.path().display()));
     let mut out = io::stdout().lock();
     // Nobody listening is no reason to fail: the file is written.

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use pneuflex_model::Problem;
-use pneuflex_newton::{Event, follow_path};
+use pneuflex_model::{Problem, Solver};
+use pneuflex_newton::{Cause, Checkpoint, Event, Failure, Path, PathReport, Timing};
 
 use crate::args::RunArguments;
 use crate::case_file::CaseFile;
+use crate::checkpoint::{self, Recorded, Start};
 use crate::error::{self, CliError, InputError};
 use crate::folder::OutputFolder;
+use crate::interrupt;
 use crate::memory::{Estimate, thousands};
 use crate::progress::{Progress, duration};
 use crate::recorder::Recorder;
@@ -20,6 +22,8 @@ pub enum Outcome {
     Converged,
     /// The path could not be followed to its end.
     NotConverged,
+    /// Somebody asked to stop.
+    Interrupted,
 }
 
 /// Sets the number of threads, if one is given, for the whole program.
@@ -45,6 +49,18 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let default = || PathBuf::from("out").join(file.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
+    let start = if arguments.resume { checkpoint::load(&folder, &file.case)? } else { Start::AtRest };
+    let (recorded, from) = match start {
+        Start::Complete => {
+            error::say(&format!("{}: the run is complete, nothing is left to do", folder.path().display()));
+            return Ok(Outcome::Converged);
+        }
+        Start::From(earlier) => (earlier.0, Some(earlier.1)),
+        Start::AtRest => {
+            folder.clear()?;
+            (Recorded::default(), None)
+        }
+    };
     let pressures = &file.case.load.pressure_kpa;
     let mut progress = Progress::new(arguments.solve.quiet, pressures.last().copied().unwrap_or(0.0));
     if let Some(warning) = warning {
@@ -61,28 +77,48 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         size[2],
         folder.path().display()
     ));
+    match &from {
+        Some(checkpoint) => progress.line(&format!("going on from {} kPa", checkpoint.pressure_kpa)),
+        None if arguments.resume => progress.line("nothing to go on with: starting from rest"),
+        None => {}
+    }
 
-    let mut recorder = Recorder::new(folder, &file.case, &problem).map_err(CliError::Output)?;
-    let result = follow_path(&problem, pressures, &file.case.solver, &mut |event| match event {
-        Event::StepStarted { step, pressure_kpa } => progress.step_started(step, pressure_kpa),
-        Event::Iteration(record) => {
-            recorder.iteration(record);
-            progress.iteration(record);
-        }
-        Event::StepRejected { cause, .. } => progress.rejected(cause),
-        Event::Landed(state) => {
-            if let Some(summary) = recorder.landed(state) {
-                progress.landed(summary);
+    let remaining = pressures.get(recorded.steps.len()..).unwrap_or_default();
+    let mut recorder = Recorder::new(folder, &file.case, &problem, recorded).map_err(CliError::Output)?;
+    let result = follow(&problem, remaining, &file.case.solver, from, &mut |event| {
+        match event {
+            Event::StepStarted { step, pressure_kpa } => progress.step_started(step, pressure_kpa),
+            Event::Iteration(record) => {
+                recorder.iteration(record);
+                progress.iteration(record);
             }
+            Event::StepRejected { cause, .. } => progress.rejected(cause),
+            Event::StepAccepted(checkpoint) => recorder.step_accepted(checkpoint),
+            Event::Landed(state) => {
+                if let Some(summary) = recorder.landed(state) {
+                    progress.landed(summary);
+                }
+            }
+        }
+        if recorder.has_failed() {
+            interrupt::stop();
         }
     });
     progress.finish();
     let folder = recorder.folder().path().to_owned();
     let failure = recorder.finish(&result).map_err(CliError::Output)?;
+    let is_interrupted = matches!(&result, Err((Failure { cause: Cause::Interrupted, .. }, _)));
     let (Ok(report) | Err((_, report))) = result;
     if let Some(failure) = failure {
         // Said even when quiet: it is the reason for the exit code.
-        error::say(&format!("error: {failure}\n  what was computed so far is in {}", folder.display()));
+        let place = folder.display();
+        if is_interrupted {
+            error::say(&format!(
+                "{failure}\n  what was computed so far is in {place}; the same command with --resume goes on"
+            ));
+            return Ok(Outcome::Interrupted);
+        }
+        error::say(&format!("error: {failure}\n  what was computed so far is in {place}"));
         return Ok(Outcome::NotConverged);
     }
     progress.line(&format!(
@@ -92,4 +128,30 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         folder.display()
     ));
     Ok(Outcome::Converged)
+}
+
+/// Follows the path from rest or from a checkpoint until somebody interrupts it.
+fn follow(
+    problem: &Problem,
+    pressures: &[f64],
+    settings: &Solver,
+    from: Option<Checkpoint>,
+    observer: &mut dyn FnMut(Event<'_>),
+) -> Result<PathReport, (Failure, PathReport)> {
+    let unable = |error: String| {
+        let attempted_kpa = pressures.first().copied().unwrap_or(0.0);
+        let failure = Failure { reached_kpa: 0.0, attempted_kpa, cause: Cause::SingularTangent(error) };
+        (failure, PathReport { iterations: 0, timing: Timing::default() })
+    };
+    let mut path = Path::new(problem, settings, observer).map_err(|e| unable(e.to_string()))?;
+    path.stop_when(interrupt::listen());
+    if let Some(checkpoint) = from {
+        path.resume(checkpoint).map_err(|e| unable(e.to_string()))?;
+    }
+    for &pressure in pressures {
+        if let Err(failure) = path.land_on(pressure) {
+            return Err((failure, PathReport { iterations: path.iterations(), timing: path.timing() }));
+        }
+    }
+    Ok(PathReport { iterations: path.iterations(), timing: path.timing() })
 }

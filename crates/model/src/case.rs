@@ -400,6 +400,11 @@ impl From<GeometryError> for CaseError {
 }
 
 impl Case {
+    /// The same with every default of the mesh written out.
+    pub fn resolved(&self) -> Self {
+        Self { mesh: self.mesh.resolved(&self.actuator), ..self.clone() }
+    }
+
     /// Checks every value against its range.
     ///
     /// # Errors

@@ -144,11 +144,14 @@ pub struct Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "not converged: the path stops at {:.4} kPa, the step to {:.4} kPa failed: {}",
-            self.reached_kpa, self.attempted_kpa, self.cause
-        )
+        let Self { reached_kpa, attempted_kpa, cause } = self;
+        match cause {
+            Cause::Interrupted => write!(f, "interrupted at {reached_kpa:.4} kPa"),
+            _ => write!(
+                f,
+                "not converged: the path stops at {reached_kpa:.4} kPa, the step to {attempted_kpa:.4} kPa failed: {cause}"
+            ),
+        }
     }
 }
 

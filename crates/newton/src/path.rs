@@ -248,6 +248,16 @@ impl<'a> Path<'a> {
         Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
     }
 
+    /// [`Self::advance_to`], and tells the observer.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn land_on(&mut self, pressure_kpa: f64) -> Result<(), Failure> {
+        let landed = self.advance_to(pressure_kpa)?;
+        (self.observer)(Event::Landed(&landed));
+        Ok(())
+    }
+
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
         let State { pressure_kpa, displacement, multipliers, contact_points } = self.state.clone();
         Checkpoint {
@@ -397,7 +407,7 @@ impl<'a> Path<'a> {
                 relative_residual: residual / load,
                 contact_points: touching,
                 negative_pivots,
-                elapsed_s: self.begin.elapsed().as_secs_f64(),
+                elapsed_s: self.spent.total_s + self.begin.elapsed().as_secs_f64(),
             };
             (self.observer)(Event::Iteration(&record));
             if !now.norm.is_finite() || largest > RUNAWAY * self.size {
@@ -528,11 +538,8 @@ pub fn follow_path(
         }
     };
     for &pressure in pressures_kpa {
-        match path.advance_to(pressure) {
-            Ok(landed) => (path.observer)(Event::Landed(&landed)),
-            Err(failure) => {
-                return Err((failure, PathReport { iterations: path.iterations, timing: path.timing() }));
-            }
+        if let Err(failure) = path.land_on(pressure) {
+            return Err((failure, PathReport { iterations: path.iterations, timing: path.timing() }));
         }
     }
     Ok(PathReport { iterations: path.iterations, timing: path.timing() })

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{Probe, Problem};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
 use crate::vector::at_node;
@@ -26,7 +26,7 @@ pub struct State<'a> {
 }
 
 /// One landed pressure. The names of the fields are the keys of `summary.json`, a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepSummary {
     /// Air pressure, kPa.
     pub pressure_kpa: f64,
@@ -65,7 +65,7 @@ pub struct StepSummary {
 }
 
 /// Contact at one landed pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
     /// Contact points that carry traction.
     pub points_active: usize,

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Output, Stdio};
 
 /// A folder that is removed at the end of the test.
 pub struct Scratch(PathBuf);
@@ -31,6 +31,12 @@ impl Scratch {
         names
     }
 
+    /// Starts the program in the folder.
+    pub fn start(&self, arguments: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pneuflex"));
+        command.args(arguments).current_dir(&self.0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
     /// Runs the program in the folder.
     pub fn run(&self, arguments: &[&str]) -> Ended {
         run_in(&self.0, arguments)
@@ -55,7 +61,11 @@ pub struct Ended {
 }
 
 fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
-    let output = Command::new(env!("CARGO_BIN_EXE_pneuflex")).args(arguments).current_dir(folder).output().unwrap();
+    ended(Command::new(env!("CARGO_BIN_EXE_pneuflex")).args(arguments).current_dir(folder).output().unwrap())
+}
+
+/// How a program that was started has ended.
+pub fn ended(output: Output) -> Ended {
     Ended {
         code: output.status.code().unwrap_or(-1),
         out: String::from_utf8(output.stdout).unwrap(),

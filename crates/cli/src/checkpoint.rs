@@ -1,0 +1,154 @@
+//! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack).
+
+use pneuflex_model::Case;
+use pneuflex_newton::Checkpoint;
+use pneuflex_post::summary::StepSummary;
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use crate::error::InputError;
+use crate::folder::OutputFolder;
+
+/// Name of the file.
+const FILE: &str = "checkpoint.bin";
+
+/// What the output folder held when the checkpoint was written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Recorded {
+    /// Pressures landed on.
+    pub steps: Vec<StepSummary>,
+    /// Length of `history.jsonl`.
+    pub history_bytes: u64,
+    /// Seconds spent on derived quantities and files.
+    pub output_s: f64,
+}
+
+/// Where a run begins.
+#[derive(Debug)]
+pub enum Start {
+    /// At rest.
+    AtRest,
+    /// At an accepted load step of an earlier run.
+    From(Box<(Recorded, Checkpoint)>),
+    /// The earlier run reached everything that is asked for.
+    Complete,
+}
+
+#[derive(Serialize)]
+struct Stored<'a> {
+    version: &'a str,
+    recorded: &'a Recorded,
+    path: &'a Checkpoint,
+}
+
+#[derive(Deserialize)]
+struct Loaded {
+    version: String,
+    recorded: Recorded,
+    path: Checkpoint,
+}
+
+/// Writes the checkpoint of a run.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), String> {
+    let stored = Stored { version: env!("CARGO_PKG_VERSION"), recorded, path };
+    folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| format!("{FILE}: {e}"))?)
+}
+
+/// Where the run of a case in a folder is to go on.
+///
+/// # Errors
+/// Results of another case, of another version of the program, or a damaged checkpoint.
+pub fn load(folder: &OutputFolder, case: &Case) -> Result<Start, InputError> {
+    let again = |what: String| {
+        InputError::file(folder.path(), what)
+            .help(Some("run without --resume to start over; that replaces what is there".into()))
+    };
+    let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
+    let old: Case = std::str::from_utf8(&text)
+        .ok()
+        .and_then(|text| toml::from_str(text).ok())
+        .ok_or_else(|| again("case.toml cannot be read: it is damaged, or another version's".into()))?;
+    let case = case.resolved();
+    let changes = changes(&old, &case);
+    if changes.is_empty() && is_complete(folder) {
+        return Ok(Start::Complete);
+    }
+    let Some(bytes) = folder.read(FILE) else { return Ok(Start::AtRest) };
+    let loaded: Loaded =
+        rmp_serde::from_slice(&bytes).map_err(|_| again(format!("{FILE} is damaged, or another version's")))?;
+    if loaded.version != env!("CARGO_PKG_VERSION") {
+        return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
+    }
+    let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
+    if !forbidden.is_empty() {
+        return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
+    }
+    let landed = loaded.recorded.steps.iter().map(|step| step.pressure_kpa);
+    let pressures = &case.load.pressure_kpa;
+    let count = loaded.recorded.steps.len();
+    let goes_on = landed.eq(pressures.iter().copied().take(count))
+        && pressures.get(count).is_none_or(|next| *next >= loaded.path.pressure_kpa);
+    if !goes_on {
+        return Err(again(format!(
+            "load.pressure_kpa leaves out a pressure that was reached; it may only change beyond {} kPa",
+            loaded.path.pressure_kpa
+        )));
+    }
+    Ok(Start::From(Box::new((loaded.recorded, loaded.path))))
+}
+
+/// Whether a run may go on with another value of a key: how the rest of the path is followed and what is written of it.
+fn may_change(key: &str) -> bool {
+    key == "load.pressure_kpa" || key.starts_with("solver.") || key.starts_with("output.")
+}
+
+fn is_complete(folder: &OutputFolder) -> bool {
+    let summary = folder.read("summary.json").unwrap_or_default();
+    serde_json::from_slice::<serde_json::Value>(&summary).is_ok_and(|summary| summary["status"] == "converged")
+}
+
+/// Keys of which two cases have different values, each with what it was and is.
+fn changes(old: &Case, new: &Case) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    if let (Ok(old), Ok(new)) = (Value::try_from(old), Value::try_from(new)) {
+        compare(Some(&old), Some(&new), "", &mut found);
+    }
+    found
+}
+
+fn compare(old: Option<&Value>, new: Option<&Value>, key: &str, found: &mut Vec<(String, String)>) {
+    let keys = [old, new].into_iter().flatten().filter_map(Value::as_table).flat_map(toml::Table::keys);
+    if let (Some(Value::Table(_)) | None, Some(Value::Table(_)) | None) = (old, new) {
+        let keys: std::collections::BTreeSet<_> = keys.collect();
+        for name in keys {
+            let below = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            compare(old.and_then(|o| o.get(name)), new.and_then(|n| n.get(name)), &below, found);
+        }
+    } else if old != new {
+        let text = |value: Option<&Value>| value.map_or("nothing".into(), Value::to_string);
+        found.push((key.into(), format!("{key} was {} and is {}", text(old), text(new))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_of_a_case_are_named() {
+        let text = crate::new::text(crate::args::CaseKind::TwoChamber);
+        let old: Case = toml::from_str(&text).unwrap();
+        assert_eq!(changes(&old, &old.clone()), []);
+        let mut new = old.clone();
+        new.material.c10 = 1.0;
+        new.title = "other".into();
+        let found = changes(&old, &new);
+        let keys: Vec<_> = found.iter().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(keys, ["material.c10", "title"]);
+        assert!(found[0].1.ends_with("and is 1.0"), "{}", found[0].1);
+        assert!(!may_change("material.c10") && may_change("solver.min_step_kpa"));
+    }
+}
