@@ -1,0 +1,243 @@
+//! Which points of a curve are fitted: not those at rest, after the break, in the wrong cycle or out of range.
+
+use std::collections::HashSet;
+
+use crate::curve::{Curve, Point};
+
+/// A change of direction smaller than this share of the curve's range is noise.
+const NOISE: f64 = 0.01;
+
+/// Stress after the maximum, as a share of it, below which the specimen is broken.
+const BROKEN: f64 = 0.8;
+
+/// Least number of points of an unloading curve; a new specimen jumps back at once.
+const UNLOADING_POINTS: usize = 3;
+
+/// Which loading of a cyclic test is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cycles {
+    /// The last loading, if there is an unloading; otherwise everything.
+    #[default]
+    Last,
+    /// The first loading, if there is an unloading.
+    First,
+    /// Every point, unloading too.
+    All,
+}
+
+/// How a curve is prepared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cleaning {
+    /// Which loading.
+    pub cycles: Cycles,
+    /// Keep what follows the break.
+    pub keeps_break: bool,
+    /// Smallest stretch.
+    pub from: f64,
+    /// Largest stretch.
+    pub to: f64,
+}
+
+impl Default for Cleaning {
+    fn default() -> Self {
+        Self { cycles: Cycles::Last, keeps_break: false, from: 0.0, to: f64::INFINITY }
+    }
+}
+
+/// Points to fit and what was left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cleaned {
+    /// Points that are fitted, in the order of the file.
+    pub used: Vec<Point>,
+    /// Points that are not, apart from those at rest and duplicates.
+    pub unused: Vec<Point>,
+    /// What was done, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Chooses the points to fit.
+pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
+    let mut notes = Vec::new();
+    let largest = curve.points.iter().map(|p| p.stress.abs()).fold(0.0, f64::max);
+    let (at_rest, moving): (Vec<Point>, Vec<Point>) = curve.points.iter().partition(|p| (p.stretch - 1.0).abs() < 1e-9);
+    if !at_rest.is_empty() {
+        notes.push(format!("{} left out at stretch 1, where every law gives 0", points(at_rest.len())));
+    }
+    if let Some(offset) = at_rest.iter().find(|p| p.stress.abs() > 0.01 * largest) {
+        notes.push(format!(
+            "line {}: {:.4} MPa at stretch 1. A preload or an offset of the load cell is part of every stress below; \
+             subtract it first",
+            offset.line, offset.stress
+        ));
+    }
+    let (kept, mut unused, has_order) = choose_loading(&moving, how.cycles, &mut notes);
+    let mut used = Vec::new();
+    for branch in kept {
+        let cut = if how.keeps_break || !has_order { None } else { break_of(&branch) };
+        let end = cut.unwrap_or(branch.len());
+        if let Some(last) = cut.and_then(|c| branch.get(c.wrapping_sub(1))) {
+            let after = points(branch.len() - end);
+            notes.push(format!(
+                "{after} left out after the largest stress in line {} (break); --keep-break keeps them",
+                last.line
+            ));
+        }
+        used.extend_from_slice(&branch[..end]);
+        unused.extend_from_slice(&branch[end..]);
+    }
+    let before = used.len();
+    let mut seen = HashSet::new();
+    used.retain(|p| seen.insert((p.stretch.to_bits(), p.stress.to_bits())));
+    if used.len() < before {
+        notes.push(format!("{} left out as duplicates", points(before - used.len())));
+    }
+    let (inside, outside): (Vec<Point>, Vec<Point>) =
+        used.into_iter().partition(|p| (how.from..=how.to).contains(&p.stretch));
+    if !outside.is_empty() {
+        notes.push(format!("{} out of the range", points(outside.len())));
+    }
+    unused.extend(outside);
+    Cleaned { used: inside, unused, notes }
+}
+
+fn points(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "point" } else { "points" })
+}
+
+/// Splits at changes of direction and keeps the loadings that are wanted: those, the other points, and whether stress that
+/// falls along a loading is a break.
+fn choose_loading(moving: &[Point], cycles: Cycles, notes: &mut Vec<String>) -> (Vec<Vec<Point>>, Vec<Point>, bool) {
+    let branches = branches(moving);
+    let is_loading = |b: &[Point]| match (b.first(), b.last()) {
+        (Some(first), Some(last)) => last.stretch.ln().abs() >= first.stretch.ln().abs(),
+        _ => true,
+    };
+    let is_unloading = |b: &[Point]| !is_loading(b) && b.len() >= UNLOADING_POINTS;
+    // Rows in no order at all are no cycles.
+    let is_unordered = branches.len() > 4 && 4 * branches.len() > moving.len();
+    if is_unordered {
+        return (vec![moving.to_vec()], Vec::new(), false);
+    }
+    if !branches.iter().skip(1).any(|b| is_unloading(b)) {
+        return (branches, Vec::new(), true);
+    }
+    let loadings: Vec<usize> =
+        (0..branches.len()).filter(|&i| is_loading(&branches[i]) && branches[i].len() >= UNLOADING_POINTS).collect();
+    let (chosen, which) = match cycles {
+        Cycles::All => {
+            notes.push("a cyclic test: loading and unloading are fitted together".into());
+            return (vec![moving.to_vec()], Vec::new(), false);
+        }
+        Cycles::Last => (loadings.last(), "last"),
+        Cycles::First => (loadings.first(), "first"),
+    };
+    let Some(&chosen) = chosen else { return (vec![moving.to_vec()], Vec::new(), false) };
+    let kept = branches[chosen].clone();
+    let lines = (kept.first().map_or(0, |p| p.line), kept.last().map_or(0, |p| p.line));
+    notes.push(format!(
+        "a cyclic test with {} loadings: only the {which} is fitted, lines {} to {}; --cycles first, last or all",
+        loadings.len(),
+        lines.0,
+        lines.1
+    ));
+    let others = branches.into_iter().enumerate().filter(|(i, _)| *i != chosen).flat_map(|(_, b)| b).collect();
+    (vec![kept], others, true)
+}
+
+/// The parts between changes of direction; a turning point belongs to the part that leads to it.
+fn branches(points: &[Point]) -> Vec<Vec<Point>> {
+    let stretch = |i: usize| points[i].stretch;
+    let all = || points.iter().map(|p| p.stretch);
+    let noise = NOISE * (all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min));
+    let mut turns = vec![0];
+    let (mut direction, mut extreme) = (0.0, 0);
+    for i in 1..points.len() {
+        let step = stretch(i) - stretch(extreme);
+        if direction == 0.0 {
+            if step.abs() > noise {
+                (direction, extreme) = (step.signum(), i);
+            }
+        } else if step * direction >= 0.0 {
+            extreme = i;
+        } else if step.abs() > noise {
+            turns.push(extreme + 1);
+            (direction, extreme) = (-direction, i);
+        }
+    }
+    turns.push(points.len());
+    turns.windows(2).map(|w| points[w[0]..w[1]].to_vec()).collect()
+}
+
+/// Number of points up to and with the largest stress, if the specimen breaks after it.
+fn break_of(branch: &[Point]) -> Option<usize> {
+    // Tension only: specimens do not break in compression.
+    let largest = (0..branch.len()).max_by(|&a, &b| branch[a].stress.total_cmp(&branch[b].stress))?;
+    let stress = branch[largest].stress;
+    let is_broken = stress > 0.0 && branch[largest + 1..].iter().any(|p| p.stress < BROKEN * stress && p.stretch > 1.0);
+    is_broken.then_some(largest + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::Mode;
+
+    fn curve(points: impl IntoIterator<Item = (f64, f64)>) -> Curve {
+        let points = points.into_iter().enumerate();
+        let points = points.map(|(i, (stretch, stress))| Point { stretch, stress, line: i + 2 }).collect();
+        Curve { file: "test".into(), mode: Mode::Uniaxial, points }
+    }
+
+    fn ramp(from: i32, to: i32, stress: f64) -> Vec<(f64, f64)> {
+        let numbers: Vec<i32> = if from < to { (from..=to).collect() } else { (to..=from).rev().collect() };
+        numbers.into_iter().map(|i| (1.0 + 0.1 * f64::from(i), stress * f64::from(i))).collect()
+    }
+
+    #[test]
+    fn rest_and_duplicates_are_left_out() {
+        let cleaned =
+            clean(&curve([(1.0, 0.0), (1.1, 0.1), (1.1, 0.1), (1.1, 0.11), (1.2, 0.2)]), &Cleaning::default());
+        assert_eq!(cleaned.used.len(), 3);
+        assert_eq!(cleaned.notes.len(), 2, "{:?}", cleaned.notes);
+        let preload = clean(&curve([(1.0, 0.05), (1.1, 0.1), (1.2, 0.2)]), &Cleaning::default());
+        assert!(preload.notes.iter().any(|n| n.contains("preload") && n.starts_with("line 2")), "{:?}", preload.notes);
+    }
+
+    #[test]
+    fn the_curve_ends_at_the_break() {
+        let mut points = ramp(1, 10, 0.1);
+        points.extend([(2.1, 0.95), (2.2, 0.1), (2.3, 0.01)]);
+        let cleaned = clean(&curve(points.clone()), &Cleaning::default());
+        assert_eq!((cleaned.used.len(), cleaned.unused.len()), (10, 3));
+        assert!(cleaned.notes[0].contains("line 11"), "{:?}", cleaned.notes);
+        let kept = clean(&curve(points), &Cleaning { keeps_break: true, ..Cleaning::default() });
+        assert_eq!(kept.used.len(), 13);
+        // A curve with a little noise at its end is whole.
+        let mut whole = ramp(1, 10, 0.1);
+        whole.push((2.1, 0.99));
+        assert_eq!(clean(&curve(whole), &Cleaning::default()).used.len(), 11);
+    }
+
+    #[test]
+    fn of_a_cyclic_test_one_loading_is_used() {
+        let cycle = |stress| [ramp(0, 10, stress), ramp(9, 1, 0.5 * stress)].concat();
+        let test = curve([cycle(0.2), cycle(0.15), ramp(0, 10, 0.11)].concat());
+        let used = |cycles| clean(&test, &Cleaning { cycles, ..Cleaning::default() }).used;
+        let slope = |points: &[Point]| points.last().unwrap().stress;
+        assert!((slope(&used(Cycles::Last)) - 1.1).abs() < 1e-12 && used(Cycles::Last).len() >= 9);
+        assert!((slope(&used(Cycles::First)) - 2.0).abs() < 1e-12 && used(Cycles::First).len() >= 9);
+        assert!(used(Cycles::All).len() > 40);
+    }
+
+    #[test]
+    fn specimens_one_after_the_other_and_sorted_compression_are_no_cycles() {
+        let specimens = curve([ramp(0, 10, 0.13), ramp(0, 10, 0.11), ramp(0, 10, 0.12)].concat());
+        assert_eq!(clean(&specimens, &Cleaning::default()).used.len(), 30);
+        let sorted = curve(ramp(-5, 10, 0.1));
+        let cleaned = clean(&sorted, &Cleaning::default());
+        assert_eq!(cleaned.used.len(), 15, "{:?}", cleaned.notes);
+        let shuffled =
+            curve((0..40).map(|i| 0.02 * f64::from(i * 17 % 40)).map(|strain| (1.05 + strain, 0.1 + strain)));
+        assert_eq!(clean(&shuffled, &Cleaning::default()).used.len(), 40);
+    }
+}
