@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::fit::FitArguments;
+use crate::materials::MaterialsArguments;
+
 /// Finite-element simulator of soft pneumatic actuators.
 #[derive(Debug, Parser)]
 #[command(name = "pneuflex", version, about, after_help = EXIT_CODES)]
@@ -29,6 +32,10 @@ pub enum Command {
     Converge(ConvergeArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
     Rod(RodArguments),
+    /// Fit material constants to the curves of tensile tests
+    Fit(Box<FitArguments>),
+    /// List known silicones, or print one of them for a case file
+    Materials(MaterialsArguments),
 }
 
 /// A case file with changes to it.

@@ -2,7 +2,7 @@
 //!
 //! * [`args`]: the command line.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
-//! * [`check`], [`converge`], [`new`], [`run`], [`rod`]: the commands.
+//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`]: the commands.
 //! * [`folder`], [`recorder`], [`checkpoint`], [`json`]: the output folder.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //! * [`memory`], [`progress`]: estimates and progress.
@@ -15,9 +15,11 @@ mod check;
 mod checkpoint;
 mod converge;
 mod error;
+mod fit;
 mod folder;
 mod interrupt;
 mod json;
+mod materials;
 mod memory;
 mod new;
 mod progress;
@@ -41,6 +43,8 @@ fn main() -> ExitCode {
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Rod(arguments) => rod::rod(&arguments),
+        Command::Fit(arguments) => fit::fit(&arguments),
+        Command::Materials(arguments) => materials::materials(&arguments).map(|()| Outcome::Converged),
     };
     match done {
         Ok(Outcome::Converged) => ExitCode::SUCCESS,

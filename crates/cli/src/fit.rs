@@ -1,0 +1,230 @@
+//! `pneuflex fit`: material constants from test curves.
+
+mod arguments;
+mod plot;
+mod report;
+pub mod snippet;
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use pneuflex_calibration::clean::{Cleaned, clean};
+use pneuflex_calibration::curve::{self, Curve, CurveError, MAX_BYTES};
+use pneuflex_calibration::fit::{FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
+use pneuflex_calibration::law::Law;
+
+pub use arguments::FitArguments;
+use arguments::LawArgument;
+pub use report::significant;
+use report::{FileNote, FitFile, MaterialNote, TestNote};
+
+use crate::error::{CliError, InputError, Place, say};
+use crate::folder::OutputFolder;
+use crate::json;
+use crate::run::Outcome;
+
+/// A test that is ready to be fitted.
+pub struct Prepared {
+    /// File as named on the command line.
+    file: String,
+    /// Points and weight.
+    test: Test,
+    /// What was left out.
+    cleaned: Cleaned,
+}
+
+impl Prepared {
+    fn new(curve: &Curve, arguments: &FitArguments) -> Result<Self, InputError> {
+        let cleaned = clean(curve, &arguments.cleaning(curve.mode)?);
+        if cleaned.used.is_empty() {
+            let what = format!("{}: no point of the {} test is left to fit", curve.file, curve.mode.name());
+            return Err(InputError::new(what).help(Some("give a wider range with --from and --to".into())));
+        }
+        let stem = Path::new(&curve.file).file_stem().map_or(curve.file.clone(), |s| s.to_string_lossy().into_owned());
+        let test = Test {
+            name: format!("{stem} {}", curve.mode.name()),
+            mode: curve.mode,
+            points: cleaned.used.clone(),
+            weight: arguments.weight(curve.mode)?,
+        };
+        Ok(Self { file: curve.file.clone(), test, cleaned })
+    }
+
+    /// Smallest and largest stretch that is fitted.
+    fn stretch_range(&self) -> [f64; 2] {
+        let stretches = self.test.points.iter().map(|p| p.stretch);
+        stretches.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
+    }
+
+    /// Name for a legend.
+    fn short_name(&self) -> String {
+        self.test.name.chars().take(26).collect()
+    }
+}
+
+/// Reads the curves, fits all laws and writes the results.
+///
+/// # Errors
+/// Files or options that cannot be used, or results that cannot be written.
+pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
+    let (mut files, mut tests) = (Vec::new(), Vec::new());
+    for path in &arguments.files {
+        let text = read(path)?;
+        let options = arguments.read_options(path)?;
+        let name = path.display().to_string();
+        let reading = curve::read(&name, &text, &options).map_err(|e| place(&name, &text, &e))?;
+        for curve in &reading.curves {
+            tests.push(Prepared::new(curve, arguments)?);
+        }
+        files.push(FileNote { file: name, understood: reading.understood });
+    }
+    let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
+    let largest = largest_i1_minus_3(&fitted);
+    let (fits, not_fitted) = fit_all(&fitted, &arguments.fit_options(largest)?);
+    let material = material(arguments, &fits)?;
+    let snippet = material.as_ref().map(|m| snippet_of(arguments, m, &fits, &tests));
+
+    let stem = arguments.files[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let default = || PathBuf::from("out").join(format!("{stem}-fit"));
+    let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
+    let content = FitFile {
+        program: "pneuflex",
+        version: env!("CARGO_PKG_VERSION"),
+        files: &files,
+        tests: tests.iter().map(TestNote::new).collect(),
+        residuals: arguments.fit_options(largest)?.residuals,
+        largest_i1_minus_3: largest,
+        assumptions: report::ASSUMPTIONS,
+        laws: &fits,
+        not_fitted: &not_fitted,
+        material,
+    };
+    let text = json::pretty(&content).map_err(|e| CliError::Output(format!("fit.json: {e}")))?;
+    folder.write("fit.json", &text).map_err(CliError::Output)?;
+    let drawing = plot::draw(&tests, &fits, largest).map_err(|e| CliError::Output(format!("fit.svg: {e}")))?;
+    let svg = drawing.to_svg().map_err(|e| CliError::Output(format!("fit.svg: {e}")))?;
+    folder.write("fit.svg", &svg).map_err(CliError::Output)?;
+    let png = drawing.to_png(2.0).map_err(|e| CliError::Output(format!("fit.png: {e}")))?;
+    folder.write("fit.png", &png).map_err(CliError::Output)?;
+    if let Some(snippet) = &snippet {
+        folder.write("material.toml", snippet).map_err(CliError::Output)?;
+    }
+    print(arguments, &files, &tests, &fits, &not_fitted, largest, snippet.as_deref());
+    match snippet {
+        Some(_) => {
+            if !arguments.quiet {
+                say(&format!("results are in {}", folder.path().display()));
+            }
+            Ok(Outcome::Converged)
+        }
+        None => {
+            say(&format!(
+                "error: no constants for a case file, whose c10 must be greater than 0\n  help: fit another range, or add \
+                 --stable\n  what was computed is in {}",
+                folder.path().display()
+            ));
+            Ok(Outcome::NotConverged)
+        }
+    }
+}
+
+/// The text of a file, of which no more is read than may be.
+fn read(path: &Path) -> Result<String, CliError> {
+    let cannot = |e: io::Error| InputError::file(path, format!("cannot be read: {e}"));
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(cannot)?;
+    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    let text = curve::decode(&bytes).map_err(|e| InputError::file(path, &e).help(e.help.clone()))?;
+    Ok(text.into_owned())
+}
+
+/// An error with the line it is about.
+fn place(name: &str, text: &str, error: &CurveError) -> CliError {
+    let Some(line) = error.line else {
+        return InputError::new(format!("{name}: {error}")).help(error.help.clone()).into();
+    };
+    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let length = text[start..].lines().next().map_or(0, str::len);
+    let place = Place::new(name, text, start..start + length);
+    InputError::new(error.to_string()).at(Some(place)).help(error.help.clone()).into()
+}
+
+/// All laws that the points determine, and why the others are missing.
+fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<String>) {
+    let (mut fits, mut failures) = (Vec::new(), Vec::new());
+    for law in Law::ALL {
+        match fit_law(law, tests, options) {
+            Ok(fit) => fits.push(fit),
+            Err(error) => failures.push(format!("{}: {error}", law.name())),
+        }
+    }
+    (fits, failures)
+}
+
+fn chosen(arguments: &FitArguments) -> Law {
+    match arguments.law {
+        LawArgument::Yeoh => Law::Yeoh,
+        LawArgument::NeoHookean => Law::NeoHookean,
+    }
+}
+
+/// The chosen law as a case file has it; `None` if the solver would refuse it.
+fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<MaterialNote>, InputError> {
+    let law = chosen(arguments);
+    let found = fits.iter().find(|f| f.law == law && f.constants[0].value > 0.0);
+    // The options are checked whether or not there is something to use them for.
+    let bulk_modulus = arguments.bulk_modulus(found.map_or(1.0, |f| f.shear_modulus_mpa))?;
+    Ok(found.map(|fit| {
+        let value = |i: usize| fit.constants.get(i).map_or(0.0, |c| c.value);
+        MaterialNote { c10: value(0), c20: value(1), c30: value(2), bulk_modulus }
+    }))
+}
+
+fn snippet_of(arguments: &FitArguments, material: &MaterialNote, fits: &[LawFit], tests: &[Prepared]) -> String {
+    let law = chosen(arguments);
+    let mut comments = Vec::new();
+    for fit in fits.iter().filter(|f| f.law == law) {
+        comments.push(format!("{} fitted by pneuflex {} to", law.name(), env!("CARGO_PKG_VERSION")));
+        for (test, agreement) in tests.iter().zip(&fit.tests) {
+            let [low, high] = test.stretch_range();
+            let r_squared = agreement.r_squared.map_or(String::new(), |r| format!(", R2 {r:.4}"));
+            comments.push(format!(
+                "  {}: {} points, stretch {low:.3} to {high:.3}{r_squared}",
+                test.test.name, agreement.points
+            ));
+        }
+        if !fit.is_stable_in_range {
+            comments.push("  NOT STABLE over this range; see pneuflex fit --stable".into());
+        }
+    }
+    let ratio = material.bulk_modulus / (2.0 * material.c10);
+    let bulk = format!("{ratio:.0} times the initial shear modulus 2 c10; no result of these tests");
+    snippet::material(&comments, [material.c10, material.c20, material.c30], material.bulk_modulus, &bulk)
+}
+
+fn print(
+    arguments: &FitArguments,
+    files: &[FileNote],
+    tests: &[Prepared],
+    fits: &[LawFit],
+    not_fitted: &[String],
+    largest: f64,
+    snippet: Option<&str>,
+) {
+    let mut text = String::new();
+    if !arguments.quiet {
+        text += &report::reading(files, tests);
+        for fit in fits {
+            text += &report::law(fit, largest);
+        }
+        for failure in not_fitted {
+            text += &format!("\nnot fitted: {failure}\n");
+        }
+        text += "\n95 %: confidence intervals of linear regression, for independent residuals; scatter between specimens and \
+                 batches is not part of them.\n\n";
+    }
+    text += snippet.unwrap_or("");
+    // Nobody reading on is no error.
+    let _ = io::stdout().write_all(text.as_bytes());
+}

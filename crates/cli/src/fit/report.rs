@@ -1,0 +1,228 @@
+//! What `pneuflex fit` prints, and `fit.json`.
+
+use std::fmt::Write;
+
+use pneuflex_calibration::fit::{Agreement, LawFit, Residuals};
+use pneuflex_calibration::law::Mode;
+use pneuflex_calibration::stability::{SEARCHED, StableRange};
+use serde::Serialize;
+
+use super::Prepared;
+
+/// Correlations of constants from here on are worth a line.
+const HIGH_CORRELATION: f64 = 0.9;
+
+/// What the confidence intervals suppose.
+pub const ASSUMPTIONS: &str = "The 95 % confidence intervals are those of weighted linear regression (Student's t). They \
+     suppose independent residuals with variances inverse to the weights and a law that is right. Residuals of neighbouring \
+     points of a smooth curve are not independent: `widening` is the factor by which the intervals are too narrow if residuals \
+     are a first-order autoregressive series. The scatter between specimens, batches and laboratories is not part of them.";
+
+/// `fit.json`.
+#[derive(Debug, Serialize)]
+pub struct FitFile<'a> {
+    /// This program.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Files as they were understood.
+    pub files: &'a [FileNote],
+    /// Tests and what was left out of them.
+    pub tests: Vec<TestNote<'a>>,
+    /// What was minimised.
+    pub residuals: Residuals,
+    /// Largest I₁ − 3 of the points.
+    pub largest_i1_minus_3: f64,
+    /// What the intervals mean.
+    pub assumptions: &'static str,
+    /// Laws with constants.
+    pub laws: &'a [LawFit],
+    /// Laws without, and why.
+    pub not_fitted: &'a [String],
+    /// Constants for a case file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialNote>,
+}
+
+/// A file as it was understood.
+#[derive(Debug, Serialize)]
+pub struct FileNote {
+    /// Name.
+    pub file: String,
+    /// Columns, units and tests.
+    pub understood: Vec<String>,
+}
+
+/// A test as it was fitted.
+#[derive(Debug, Serialize)]
+pub struct TestNote<'a> {
+    name: &'a str,
+    mode: Mode,
+    weight: f64,
+    points: usize,
+    stretch: [f64; 2],
+    notes: &'a [String],
+}
+
+impl<'a> TestNote<'a> {
+    /// Of a prepared test.
+    pub fn new(test: &'a Prepared) -> Self {
+        Self {
+            name: &test.test.name,
+            mode: test.test.mode,
+            weight: test.test.weight,
+            points: test.test.points.len(),
+            stretch: test.stretch_range(),
+            notes: &test.cleaned.notes,
+        }
+    }
+}
+
+/// Constants for a case file, MPa.
+#[derive(Debug, Serialize)]
+pub struct MaterialNote {
+    /// C₁₀.
+    pub c10: f64,
+    /// C₂₀.
+    pub c20: f64,
+    /// C₃₀.
+    pub c30: f64,
+    /// Bulk modulus.
+    pub bulk_modulus: f64,
+}
+
+/// What was read and left out.
+pub fn reading(files: &[FileNote], tests: &[Prepared]) -> String {
+    let mut text = String::new();
+    for file in files {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}", file.file);
+        for line in &file.understood {
+            let _ = writeln!(text, "  {line}");
+        }
+        for test in tests.iter().filter(|t| t.file == file.file) {
+            for note in &test.cleaned.notes {
+                let _ = writeln!(text, "  {}: {note}", test.test.mode.name());
+            }
+            let [low, high] = test.stretch_range();
+            let _ = writeln!(
+                text,
+                "  {}: {} points are fitted, stretch {low:.4} to {high:.4}, weight {}",
+                test.test.mode.name(),
+                test.test.points.len(),
+                test.test.weight
+            );
+        }
+    }
+    text
+}
+
+/// Constants of a law, how well they fit, and where they are stable.
+pub fn law(fit: &LawFit, largest_i1_minus_3: f64) -> String {
+    let mut text = format!("\n{}\n", fit.law.name());
+    for constant in &fit.constants {
+        let interval = constant
+            .confidence_95
+            .map_or(String::new(), |[low, high]| format!("   95 %: {} to {}", significant(low), significant(high)));
+        let _ = writeln!(text, "  {} = {} MPa{interval}", constant.name, significant(constant.value));
+    }
+    let _ = writeln!(text, "  initial shear modulus {} MPa", significant(fit.shear_modulus_mpa));
+    let width = fit.tests.iter().map(|t| t.test.chars().count()).max().unwrap_or(0).max(fit.total.test.len());
+    let shows_total = fit.tests.len() > 1;
+    for row in fit.tests.iter().chain(shows_total.then_some(&fit.total)) {
+        let _ = writeln!(text, "  {}", agreement(row, width));
+    }
+    if let Some(limit) = fit.held_stable_up_to_i1_minus_3 {
+        let _ = writeln!(
+            text,
+            "  held stable up to I1-3 = {limit:.3}; on the edge of what is stable there are no symmetric intervals"
+        );
+    }
+    let _ = writeln!(text, "  {}", stability(fit, largest_i1_minus_3));
+    for line in correlations(fit) {
+        let _ = writeln!(text, "  {line}");
+    }
+    text
+}
+
+fn agreement(row: &Agreement, width: usize) -> String {
+    let r_squared = row.r_squared.map_or("    -    ".into(), |r| format!("{r:9.6}"));
+    format!(
+        "{:width$}  {:>5} points  R2 {r_squared}  RMS {} MPa ({:.2} %)  largest {} MPa at stretch {:.3}",
+        row.test,
+        row.points,
+        significant(row.rms_mpa),
+        100.0 * row.relative_rms,
+        significant(row.largest_mpa),
+        row.largest_at_stretch,
+    )
+}
+
+fn stability(fit: &LawFit, largest_i1_minus_3: f64) -> String {
+    let range = |range: &StableRange| {
+        let low = range.low.map_or(format!("below {}", SEARCHED[0]), |l| format!("{l:.3}"));
+        let high = range.high.map_or(format!("beyond {}", SEARCHED[1]), |h| format!("{h:.3}"));
+        format!("{} {low} to {high}", range.mode.name())
+    };
+    if fit.stable.is_empty() {
+        return "NOT STABLE even at rest".into();
+    }
+    let ranges: Vec<String> = fit.stable.iter().map(range).collect();
+    let slope = match fit.zero_slope_i1_minus_3 {
+        Some(limit) => {
+            format!("; the slope of the energy vanishes at I1-3 = {limit:.3}, where the solver's material gives way")
+        }
+        None => String::new(),
+    };
+    let warning = if fit.is_stable_in_range {
+        String::new()
+    } else {
+        format!(
+            "\n  UNSTABLE within the range of the points (I1-3 up to {largest_i1_minus_3:.3}, in some test); --stable holds \
+             the fit stable there"
+        )
+    };
+    format!("stable (Drucker) at stretches: {}{slope}{warning}", ranges.join(", "))
+}
+
+fn correlations(fit: &LawFit) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(correlation) = &fit.correlation {
+        let mut high = Vec::new();
+        for i in 0..fit.constants.len() {
+            for j in 0..i {
+                if correlation[i][j].abs() > HIGH_CORRELATION {
+                    high.push(format!(
+                        "{} and {} {:.3}",
+                        fit.constants[j].name, fit.constants[i].name, correlation[i][j]
+                    ));
+                }
+            }
+        }
+        if !high.is_empty() {
+            let pairs = high.join(", ");
+            lines.push(format!("correlated estimates: {pairs}; take the constants as a set, not one by one"));
+        }
+    }
+    if let (Some(r), Some(widening), true) = (fit.residual_correlation, fit.widening, fit.correlation.is_some())
+        && widening > 1.2
+    {
+        lines.push(format!(
+            "neighbouring residuals are correlated ({r:.2}; 0 if independent): the intervals are too narrow, by a factor of \
+             about {widening:.1}"
+        ));
+    }
+    lines
+}
+
+/// Four significant digits without an exponent where that is short.
+pub fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-5..1e5).contains(&value.abs()) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$}")
+}

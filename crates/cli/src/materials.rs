@@ -1,0 +1,101 @@
+//! `pneuflex materials`: constants of known silicones.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use clap::Args;
+use pneuflex_calibration::library::{ENTRIES, Entry, find, identifier};
+
+use crate::error::{CliError, InputError};
+use crate::fit::{significant, snippet};
+
+const WARNING: &str = "Published sets for one product differ by a factor of two (batch, curing, strain rate, first or later \
+                       loading, range of the fit). Test your own batch and use `pneuflex fit` if it matters.";
+
+const EXAMPLES: &str = "\
+Examples:
+  pneuflex materials                      the list
+  pneuflex materials dragon-skin-30       the [material] table of a case file
+  pneuflex materials dragon-skin-30:2     another set for the same product
+
+A set is a Yeoh law. Its `range` is that of the test it was fitted to; it says nothing beyond.";
+
+/// Arguments of `pneuflex materials`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct MaterialsArguments {
+    /// A name of the list; without one the list is printed
+    name: Option<String>,
+}
+
+/// Prints the list or one set.
+///
+/// # Errors
+/// A name that is not in the list.
+pub fn materials(arguments: &MaterialsArguments) -> Result<(), CliError> {
+    let text = match &arguments.name {
+        None => list(),
+        Some(name) => {
+            let index = find(name).ok_or_else(|| unknown(name))?;
+            table(index)
+        }
+    };
+    // Nobody reading on is no error.
+    let _ = io::stdout().write_all(text.as_bytes());
+    Ok(())
+}
+
+fn unknown(name: &str) -> InputError {
+    let bare = |t: &str| t.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect::<String>();
+    let is_like = |i: &usize| bare(&identifier(*i)).contains(&bare(name)) && !bare(name).is_empty();
+    let like: Vec<String> = (0..ENTRIES.len()).filter(is_like).map(identifier).collect();
+    let help = match like.is_empty() {
+        true => "`pneuflex materials` lists all".into(),
+        false => format!("did you mean {}?", like.join(", ")),
+    };
+    InputError::new(format!("no material `{name}` is known")).help(Some(help))
+}
+
+fn list() -> String {
+    let width = (0..ENTRIES.len()).map(|i| identifier(i).len()).max().unwrap_or(0);
+    let mut text = format!("{:width$}  {:>10} {:>11} {:>11}  range and source\n", "Yeoh, MPa", "C10", "C20", "C30");
+    for (i, entry) in ENTRIES.iter().enumerate() {
+        let [c10, c20, c30] = entry.constants.map(significant);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:width$}  {c10:>10} {c20:>11} {c30:>11}  {}; {}",
+            identifier(i),
+            entry.range,
+            in_short(entry)
+        );
+    }
+    format!("{text}\n{WARNING}\n")
+}
+
+fn in_short(entry: &Entry) -> &'static str {
+    let end = entry.source.find([',', ';', '(', ':']).unwrap_or(entry.source.len());
+    entry.source[..end].trim_end()
+}
+
+fn table(index: usize) -> String {
+    let entry = &ENTRIES[index];
+    let mut comments = vec![format!("{} ({})", entry.name, identifier(index)), format!("range: {}", entry.range)];
+    comments.push(format!("source: {}", entry.source));
+    if let Some(fit) = entry.fit {
+        comments
+            .push(format!("  by: pneuflex fit fixtures/curves/{} {}", fit.curve, fit.arguments).trim_end().to_owned());
+    }
+    let others: Vec<String> =
+        (0..ENTRIES.len()).filter(|&i| i != index && ENTRIES[i].name == entry.name).map(identifier).collect();
+    if !others.is_empty() {
+        comments.push(format!("other sets: {}", others.join(", ")));
+    }
+    comments.push(WARNING.into());
+    let shear_modulus = 2.0 * entry.constants[0];
+    let (bulk, comment) = match entry.bulk_modulus {
+        Some(bulk) => (bulk, "as in the source".to_owned()),
+        None => (snippet::BULK_RATIO * shear_modulus, "1000 times the initial shear modulus 2 c10".to_owned()),
+    };
+    snippet::material(&comments, entry.constants, bulk, &comment)
+}
