@@ -5,13 +5,14 @@ mod plot;
 mod report;
 pub mod snippet;
 
+use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use pneuflex_calibration::clean::{Cleaned, clean};
 use pneuflex_calibration::curve::{self, Curve, CurveError, MAX_BYTES};
-use pneuflex_calibration::fit::{FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
+use pneuflex_calibration::fit::{FitError, FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
 use pneuflex_calibration::law::Law;
 
 pub use arguments::FitArguments;
@@ -97,7 +98,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         largest_i1_minus_3: largest,
         assumptions: report::ASSUMPTIONS,
         laws: &fits,
-        not_fitted: &not_fitted,
+        not_fitted: not_fitted.iter().map(ToString::to_string).collect(),
         material,
     };
     let text = json::pretty(&content).map_err(|e| CliError::Output(format!("fit.json: {e}")))?;
@@ -119,9 +120,9 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
             Ok(Outcome::Converged)
         }
         None => {
+            let (reason, help) = why_no_constants(chosen(arguments), &fits, &not_fitted);
             say(&format!(
-                "error: no constants for a case file, whose c10 must be greater than 0\n  help: fit another range, or add \
-                 --stable\n  what was computed is in {}",
+                "error: no constants for a case file: {reason}\n  help: {help}\n  what was computed is in {}",
                 folder.path().display()
             ));
             Ok(Outcome::NotConverged)
@@ -150,13 +151,43 @@ fn place(name: &str, text: &str, error: &CurveError) -> CliError {
     InputError::new(error.to_string()).at(Some(place)).help(error.help.clone()).into()
 }
 
+/// A law that has no constants, and why.
+struct NotFitted {
+    law: Law,
+    why: FitError,
+}
+
+impl fmt::Display for NotFitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.law.name(), self.why)
+    }
+}
+
+/// Reason and advice where a law has no constants that a case file could use.
+fn why_no_constants(law: Law, fits: &[LawFit], not_fitted: &[NotFitted]) -> (String, &'static str) {
+    if let Some(failure) = not_fitted.iter().find(|f| f.law == law) {
+        let help = match failure.why {
+            FitError::Undetermined(_) if law != Law::NeoHookean => {
+                "give more points at different stretches, or choose the law with one constant, --law neo-hookean"
+            }
+            FitError::Undetermined(_) => "give points at stretches other than 1",
+            FitError::NotFinite => "give a narrower range with --from and --to",
+            FitError::NoStableConstants => "fit another range with --from and --to, or leave out --stable",
+        };
+        return (failure.to_string(), help);
+    }
+    let c10 = fits.iter().find(|f| f.law == law).map_or(f64::NAN, |f| f.constants[0].value);
+    let reason = format!("{}: its c10 = {} MPa is not greater than 0", law.name(), significant(c10));
+    (reason, "fit another range with --from and --to, or add --stable")
+}
+
 /// All laws that the points determine, and why the others are missing.
-fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<String>) {
+fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<NotFitted>) {
     let (mut fits, mut failures) = (Vec::new(), Vec::new());
     for law in Law::ALL {
         match fit_law(law, tests, options) {
             Ok(fit) => fits.push(fit),
-            Err(error) => failures.push(format!("{}: {error}", law.name())),
+            Err(why) => failures.push(NotFitted { law, why }),
         }
     }
     (fits, failures)
@@ -208,7 +239,7 @@ fn print(
     files: &[FileNote],
     tests: &[Prepared],
     fits: &[LawFit],
-    not_fitted: &[String],
+    not_fitted: &[NotFitted],
     largest: f64,
     snippet: Option<&str>,
 ) {

@@ -106,8 +106,20 @@ fn a_softening_beyond_use_is_said_and_kept() {
     fs::write(scratch.path("ut.csv"), "stretch,stress (MPa)\n1.1,-0.1\n1.2,-0.2\n1.3,-0.3\n1.4,-0.4\n").unwrap();
     let ended = scratch.run(&["fit", "ut.csv", "--out", "fits"]);
     assert_eq!(ended.code, 3, "{ended:?}");
-    assert!(ended.err.contains("c10 must be greater than 0"), "{}", ended.err);
+    assert!(ended.err.contains("Yeoh: its c10 = -") && ended.err.contains("not greater than 0"), "{}", ended.err);
     assert!(scratch.path("fits/fit.json").exists() && !scratch.path("fits/material.toml").exists());
+}
+
+#[test]
+fn too_few_points_are_the_reason_that_is_given() {
+    let scratch = Scratch::new("fit-few");
+    fs::write(scratch.path("ut.csv"), "stretch,stress (MPa)\n1.1,0.1\n1.2,0.18\n").unwrap();
+    let ended = scratch.run(&["fit", "ut.csv", "--test", "ut", "--out", "fits"]);
+    assert_eq!(ended.code, 3, "{ended:?}");
+    assert!(ended.err.contains("Yeoh: its 3 constants are not determined by these points"), "{}", ended.err);
+    assert!(ended.err.contains("--law neo-hookean") && !ended.err.contains("greater than 0"), "{}", ended.err);
+    let one = scratch.run(&["fit", "ut.csv", "--test", "ut", "--law", "neo-hookean", "--out", "fits"]);
+    assert!(one.code == 0 && one.out.contains("c20 = 0"), "{one:?}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub struct FitFile<'a> {
     /// Laws with constants.
     pub laws: &'a [LawFit],
     /// Laws without, and why.
-    pub not_fitted: &'a [String],
+    pub not_fitted: Vec<String>,
     /// Constants for a case file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialNote>,
