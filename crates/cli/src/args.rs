@@ -4,38 +4,57 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::completions::CompletionsArguments;
+use crate::examples;
 use crate::fit::FitArguments;
+use crate::man::ManArguments;
 use crate::materials::MaterialsArguments;
 
 /// Finite-element simulator of soft pneumatic actuators.
 #[derive(Debug, Parser)]
-#[command(name = "pneuflex", version, about, after_help = EXIT_CODES)]
+#[command(name = "pneuflex", version, after_help = EXIT_CODES)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done (for run: converged), 1 an output could not be written, 2 bad input, \
-                          3 not converged, 130 interrupted.";
+const EXIT_CODES: &str = "\
+Exit codes: 0 done (for run: converged), 1 an output could not be written, 2 bad input, 3 not converged, 130 interrupted.
+
+First steps:
+  pneuflex new two-chamber                a case file to start from
+  pneuflex check two_chamber.toml         what would be solved
+  pneuflex run two_chamber.toml           solve it";
 
 /// The program's commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Solve a case and write its results
+    #[command(after_help = examples::RUN)]
     Run(RunArguments),
     /// Check a case and print what would be solved, without solving
+    #[command(after_help = examples::CHECK)]
     Check(CaseArguments),
     /// Write a commented case file to start from
+    #[command(after_help = examples::NEW)]
     New(NewArguments),
     /// Solve a case on finer and finer meshes, extrapolate, and report error bars
+    #[command(after_help = examples::CONVERGE)]
     Converge(ConvergeArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
+    #[command(after_help = examples::ROD)]
     Rod(RodArguments),
     /// Fit material constants to the curves of tensile tests
     Fit(Box<FitArguments>),
     /// List known silicones, or print one of them for a case file
     Materials(MaterialsArguments),
+    /// Print the completions of a shell
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArguments),
+    /// Print the manual page, or write one page per command to a folder
+    #[command(after_help = examples::MAN)]
+    Man(ManArguments),
 }
 
 /// A case file with changes to it.

@@ -1,8 +1,8 @@
 //! The `pneuflex` command line program: the only crate that touches files, clock and terminal.
 //!
-//! * [`args`]: the command line.
+//! * [`args`], [`examples`]: the command line and its help.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
-//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`]: the commands.
+//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`]: the commands; [`completions`], [`man`]: those about the program itself.
 //! * [`folder`], [`recorder`], [`checkpoint`], [`json`]: the output folder.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //! * [`memory`], [`progress`]: estimates and progress.
@@ -13,12 +13,15 @@ mod args;
 mod case_file;
 mod check;
 mod checkpoint;
+mod completions;
 mod converge;
 mod error;
+mod examples;
 mod fit;
 mod folder;
 mod interrupt;
 mod json;
+mod man;
 mod materials;
 mod memory;
 mod new;
@@ -45,6 +48,11 @@ fn main() -> ExitCode {
         Command::Rod(arguments) => rod::rod(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Materials(arguments) => materials::materials(&arguments).map(|()| Outcome::Converged),
+        Command::Completions(arguments) => {
+            completions::completions(&arguments);
+            Ok(Outcome::Converged)
+        }
+        Command::Man(arguments) => man::man(&arguments).map(|()| Outcome::Converged),
     };
     match done {
         Ok(Outcome::Converged) => ExitCode::SUCCESS,

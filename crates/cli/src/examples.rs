@@ -1,0 +1,94 @@
+//! Examples in the help of the commands.
+
+/// Of `pneuflex run`.
+pub const RUN: &str = "\
+Examples:
+  pneuflex run actuator.toml                                  results in out/actuator
+  pneuflex run actuator.toml --set mesh.resolution=draft      a quick look
+  pneuflex run actuator.toml --set load.pressure_kpa='[10, 20]' --out out/low
+  pneuflex run actuator.toml --resume                         go on after Ctrl-C or a crash
+
+Exit codes: 0 converged, 1 an output could not be written, 2 bad input (nothing written), 3 not converged (what was reached is
+kept), 130 interrupted.";
+
+/// Of `pneuflex check`.
+pub const CHECK: &str = "\
+Examples:
+  pneuflex check actuator.toml
+  pneuflex check actuator.toml --set actuator.chambers=12 --set mesh.resolution=fine";
+
+/// Of `pneuflex new`.
+pub const NEW: &str = "\
+Examples:
+  pneuflex new two-chamber                two_chamber.toml, solved within seconds
+  pneuflex new actuator finger.toml       eight chambers, under another name";
+
+/// Of `pneuflex converge`.
+pub const CONVERGE: &str = "\
+Examples:
+  pneuflex converge two_chamber.toml --set mesh.resolution=draft
+  pneuflex converge two_chamber.toml --set mesh.resolution=draft --levels 2 --out out/twice
+
+The second mesh has 8 times the elements of the case's own, the third 27 times.";
+
+/// Of `pneuflex rod`.
+pub const ROD: &str = "\
+Examples:
+  pneuflex rod actuator.toml --set mesh.resolution=draft
+  pneuflex rod actuator.toml --tip-load 0.05      with 0.05 N downwards on the tip";
+
+/// Of `pneuflex completions`.
+pub const COMPLETIONS: &str = "\
+Examples:
+  pneuflex completions bash > ~/.local/share/bash-completion/completions/pneuflex
+  pneuflex completions zsh > \"${fpath[1]}/_pneuflex\"
+  pneuflex completions fish > ~/.config/fish/completions/pneuflex.fish
+  pneuflex completions powershell >> $PROFILE
+
+They hold from the next shell on.";
+
+/// Of `pneuflex man`.
+pub const MAN: &str = "\
+Examples:
+  pneuflex man | man -l -
+  pneuflex man ~/.local/share/man/man1            pneuflex.1, pneuflex-run.1 and so on";
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use crate::args::Arguments;
+
+    /// The command of an example: what stands before a remark, a pipe or a redirection.
+    fn words(line: &str) -> Vec<String> {
+        let command = line.trim().split("  ").next().unwrap_or("");
+        let command = command.split(['|', '>']).next().unwrap_or("");
+        let mut words = vec![String::new()];
+        let mut is_quoted = false;
+        for c in command.trim().chars() {
+            match c {
+                '\'' => is_quoted = !is_quoted,
+                ' ' if !is_quoted => words.push(String::new()),
+                other => words.last_mut().unwrap().push(other),
+            }
+        }
+        words
+    }
+
+    #[test]
+    fn every_command_has_examples_and_the_program_understands_them() {
+        Arguments::command().debug_assert();
+        for command in Arguments::command().get_subcommands_mut() {
+            let help = command.render_long_help().to_string();
+            let examples: Vec<&str> = help.lines().filter(|line| line.starts_with("  pneuflex ")).collect();
+            assert!(help.contains("Examples:") && !examples.is_empty(), "{help}");
+            for example in examples {
+                let words = words(example);
+                assert_eq!(words[1], command.get_name(), "{example}");
+                if let Err(error) = Arguments::try_parse_from(&words) {
+                    panic!("{example}: {error}");
+                }
+            }
+        }
+    }
+}
