@@ -42,6 +42,8 @@ pub enum Command {
     /// Solve a case on finer and finer meshes, extrapolate, and report error bars
     #[command(after_help = examples::CONVERGE)]
     Converge(ConvergeArguments),
+    /// Write report.html, which shows a result folder in a browser
+    View(ViewArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
     #[command(after_help = examples::ROD)]
     Rod(RodArguments),
@@ -95,9 +97,20 @@ pub struct RunArguments {
     /// that never stopped. Starts from the beginning where there is nothing to go on with
     #[arg(long)]
     pub resume: bool,
+    /// Leave out report.html
+    #[arg(long)]
+    pub no_report: bool,
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,
+}
+
+/// Arguments of `pneuflex view`.
+#[derive(Debug, Args)]
+pub struct ViewArguments {
+    /// Folder that `pneuflex run` wrote
+    #[arg(value_name = "RESULT_DIR")]
+    pub results: PathBuf,
 }
 
 /// Arguments of `pneuflex converge`.

@@ -105,6 +105,14 @@ impl Diagnostic for InputError {
 }
 
 impl CliError {
+    /// What went wrong, in one line.
+    pub fn message(&self) -> String {
+        match self {
+            Self::Input(error) => error.to_string(),
+            Self::Output(message) => message.clone(),
+        }
+    }
+
     /// Prints the error on standard error.
     pub fn print(&self) {
         match self {

@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::InputError;
+use crate::view::REPORT;
 
 /// First words of a resolved case file, by which an output folder is recognised.
 pub const CASE_MARK: &str = "# pneuflex";
 
 /// The files of a run besides its fields.
-const RESULTS: [&str; 5] = ["summary.json", "history.jsonl", "case.toml", "checkpoint.bin", "report.html"];
+const RESULTS: [&str; 5] = ["summary.json", "history.jsonl", "case.toml", "checkpoint.bin", REPORT];
 
 /// File by which runs keep out of each other's way where a folder cannot be locked. The system forgets the lock when its owner
 /// ends, however it ends.

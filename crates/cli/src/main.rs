@@ -2,7 +2,8 @@
 //!
 //! * [`args`], [`examples`]: the command line and its help.
 //! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
-//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`]: the commands; [`completions`], [`man`]: those about the program itself.
+//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
+//!   [`completions`], [`man`]: those about the program itself.
 //! * [`folder`], [`recorder`], [`checkpoint`], [`json`]: the output folder.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //! * [`memory`], [`progress`]: estimates and progress.
@@ -30,6 +31,7 @@ mod recorder;
 mod rod;
 mod run;
 mod suggest;
+mod view;
 
 use std::process::ExitCode;
 
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
+        Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Rod(arguments) => rod::rod(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),

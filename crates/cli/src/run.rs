@@ -14,6 +14,7 @@ use crate::interrupt;
 use crate::memory::{Estimate, thousands};
 use crate::progress::{Progress, duration};
 use crate::recorder::Recorder;
+use crate::view;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +37,14 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), InputError> {
         .num_threads(usize::from(threads))
         .build_global()
         .map_err(|e| InputError::new(format!("--threads {threads}: {e}")))
+}
+
+/// Writes the run's report; a report that cannot be written is no failure of the run.
+fn report_or_warn(folder: &std::path::Path, progress: &mut Progress) {
+    match view::write_report(folder) {
+        Ok(path) => progress.line(&format!("report: {}", path.display())),
+        Err(error) => error::say(&format!("warning: there is no report: {}", error.message())),
+    }
 }
 
 /// Solves a case.
@@ -109,6 +118,9 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let failure = recorder.finish(&result).map_err(CliError::Output)?;
     let is_interrupted = matches!(&result, Err((Failure { cause: Cause::Interrupted, .. }, _)));
     let (Ok(report) | Err((_, report))) = result;
+    if !arguments.no_report {
+        report_or_warn(&folder, &mut progress);
+    }
     if let Some(failure) = failure {
         // Said even when quiet: it is the reason for the exit code.
         let place = folder.display();

@@ -1,0 +1,99 @@
+//! `pneuflex view`: the report of a result folder, `report.html`. `pneuflex run` writes it the same way at its end.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use pneuflex_model::{Case, Problem};
+use pneuflex_post::vtu::Grid;
+use pneuflex_report::state::State;
+use pneuflex_report::summary::Summary;
+use pneuflex_report::{Report, render};
+
+use crate::args::ViewArguments;
+use crate::case_file::CaseFile;
+use crate::error::{CliError, InputError, say};
+use crate::folder::OutputFolder;
+
+/// Name of the report in a result folder.
+pub const REPORT: &str = "report.html";
+
+/// Writes the report of a result folder and says where it is.
+///
+/// # Errors
+/// A folder that is none of this program's, files that are missing or damaged, a report that cannot be written.
+pub fn view(arguments: &ViewArguments) -> Result<(), CliError> {
+    let path = write_report(&arguments.results)?;
+    say(&format!("wrote {}", path.display()));
+    Ok(())
+}
+
+/// Writes the report of a result folder; returns its path.
+///
+/// # Errors
+/// As for [`view`].
+pub fn write_report(folder: &Path) -> Result<PathBuf, CliError> {
+    let summary = read_summary(folder)?;
+    let case_path = folder.join("case.toml");
+    let file = CaseFile::load(&case_path, &[])?;
+    let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
+    let states = read_states(folder, &file.case, &problem, &summary)?;
+    let report = Report { case: &file.case, problem: &problem, summary: &summary, states: states.as_deref() };
+    let page = render(&report).map_err(|e| InputError::file(folder, e))?;
+    OutputFolder::to_add_to(folder)?.write(REPORT, &page).map_err(CliError::Output)?;
+    Ok(folder.join(REPORT))
+}
+
+fn read_summary(folder: &Path) -> Result<Summary, InputError> {
+    let path = folder.join("summary.json");
+    if !folder.is_dir() || !path.exists() {
+        let what = if folder.is_dir() { "holds no summary.json" } else { "is no folder" };
+        let help = "name the folder that `pneuflex run` wrote, e.g. out/actuator";
+        return Err(InputError::file(folder, format!("not a result folder: it {what}")).help(Some(help.into())));
+    }
+    let summary: Summary = serde_json::from_str(&read(&path)?).map_err(|e| damaged(&path, e))?;
+    match summary.steps.iter().find(|step| step.converged && step.landed.is_none()) {
+        Some(step) => Err(damaged(&path, format!("results are missing at {} kPa", step.pressure_kpa))),
+        None => Ok(summary),
+    }
+}
+
+/// The fields at every landed pressure; `None` if the case asked for none.
+fn read_states(
+    folder: &Path,
+    case: &Case,
+    problem: &Problem,
+    summary: &Summary,
+) -> Result<Option<Vec<State>>, InputError> {
+    if !case.output.fields {
+        return Ok(None);
+    }
+    let has_walls = problem.contact_pairs.iter().any(|pair| !pair.slave.is_empty());
+    let state = |number: usize, pressure_kpa: f64| {
+        let path = |name: &str| folder.join(format!("fields/{name}_{number:02}.vtu"));
+        let body_path = path("step");
+        let body = read_grid(&body_path)?;
+        if (body.time - pressure_kpa).abs() > 1e-9 {
+            return Err(damaged(&body_path, format!("it is of {} kPa instead of {pressure_kpa}", body.time)));
+        }
+        let walls = has_walls.then(|| read_grid(&path("contact"))).transpose()?;
+        State::from_grids(problem, &body, walls.as_ref()).map_err(|e| damaged(&body_path, e))
+    };
+    let landed = summary.landed().enumerate();
+    landed.map(|(i, (pressure, _))| state(i + 1, pressure)).collect::<Result<_, _>>().map(Some)
+}
+
+fn read_grid(path: &Path) -> Result<Grid, InputError> {
+    Grid::from_vtu(&read(path)?).map_err(|e| damaged(path, e))
+}
+
+fn read(path: &Path) -> Result<String, InputError> {
+    fs::read_to_string(path).map_err(|e| {
+        InputError::file(path, format!("cannot be read: {e}"))
+            .help(Some("run the case again to have a complete result folder".into()))
+    })
+}
+
+fn damaged(path: &Path, why: impl std::fmt::Display) -> InputError {
+    InputError::file(path, format!("damaged: {why}"))
+        .help(Some("run the case again to have a complete result folder".into()))
+}

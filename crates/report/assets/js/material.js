@@ -1,0 +1,102 @@
+// How surfaces and lines are drawn. Values are interpolated before they become colours, so that colours between nodes are those
+// of the map; what lies beyond the section plane (in reference coordinates) is left out.
+
+import { DataTexture, DoubleSide, FrontSide, LinearFilter, ShaderMaterial, Vector4 } from "three";
+import { colourBytes } from "pneuflex/colours";
+
+const PASS_REFERENCE = /* glsl */ `
+  attribute vec3 reference;
+  varying vec3 vReference;
+`;
+
+const CUT = /* glsl */ `
+  uniform vec4 plane;
+  varying vec3 vReference;
+  bool beyond() { return dot(vReference, plane.xyz) > plane.w; }
+`;
+
+/** A plane that cuts nothing. */
+export const NO_PLANE = [0, 0, 0, 1];
+
+/** What all surfaces share: the colour map and its range. */
+export function colourUniforms() {
+  const texture = new DataTexture(new Uint8Array(4 * 256), 256, 1);
+  texture.magFilter = texture.minFilter = LinearFilter;
+  return { map: { value: texture }, top: { value: 1 } };
+}
+
+/** Chooses the colour map of a field. */
+export function useMap(uniforms, field) {
+  uniforms.map.value.image.data.set(colourBytes(field));
+  uniforms.map.value.needsUpdate = true;
+}
+
+/** A lit, coloured surface. `plain` surfaces (cut faces where the field means nothing) are grey. */
+export function surfaceMaterial(colours, isCap) {
+  return new ShaderMaterial({
+    uniforms: { ...colours, plane: { value: new Vector4(...NO_PLANE) }, plain: { value: false } },
+    vertexShader: /* glsl */ `
+      ${PASS_REFERENCE}
+      attribute float value;
+      varying float vValue;
+      varying vec3 vNormal;
+      varying vec3 vView;
+      void main() {
+        vReference = reference;
+        vValue = value;
+        vNormal = normalMatrix * normal;
+        vec4 view = modelViewMatrix * vec4(position, 1.0);
+        vView = view.xyz;
+        gl_Position = projectionMatrix * view;
+      }`,
+    fragmentShader: /* glsl */ `
+      ${CUT}
+      uniform sampler2D map;
+      uniform float top;
+      uniform bool plain;
+      varying float vValue;
+      varying vec3 vNormal;
+      varying vec3 vView;
+      void main() {
+        if (beyond()) discard;
+        float share = clamp(vValue / top, 0.0, 1.0);
+        vec3 colour = plain ? vec3(0.78) : texture2D(map, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+        vec3 n = normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+        vec3 light = normalize(vec3(-0.35, 0.65, 0.7));
+        vec3 toEye = normalize(-vView);
+        float diffuse = 0.5 + 0.5 * dot(n, light);
+        float shine = pow(max(dot(n, normalize(light + toEye)), 0.0), 48.0);
+        float shade = mix(0.58, 1.04, diffuse * diffuse * (3.0 - 2.0 * diffuse));
+        gl_FragColor = vec4(colour * shade + 0.07 * shine, 1.0);
+      }`,
+    side: isCap ? DoubleSide : FrontSide,
+    // Lines on the surface stay in front of it.
+    polygonOffset: true,
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 1,
+  });
+}
+
+/** Lines, or with `filled` an unlit transparent surface. */
+export function flatMaterial(opacity, filled = false) {
+  return new ShaderMaterial({
+    uniforms: { plane: { value: new Vector4(...NO_PLANE) }, colour: { value: [0, 0, 0] }, opacity: { value: opacity } },
+    vertexShader: /* glsl */ `
+      ${PASS_REFERENCE}
+      void main() {
+        vReference = reference;
+        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+      }`,
+    fragmentShader: /* glsl */ `
+      ${CUT}
+      uniform vec3 colour;
+      uniform float opacity;
+      void main() {
+        if (beyond()) discard;
+        gl_FragColor = vec4(colour, opacity);
+      }`,
+    transparent: true,
+    depthWrite: false,
+    side: filled ? DoubleSide : FrontSide,
+  });
+}

@@ -1,0 +1,53 @@
+// The view as a picture: for the button, and for paper.
+
+import { colourAt } from "pneuflex/colours";
+import { tickTexts } from "pneuflex/format";
+import { FIELDS } from "pneuflex/legend";
+
+/** The view with legend, title and pressure on a canvas of its own. */
+export function picture(viewer, title) {
+  const { stage, actuator, marks, pressure } = viewer;
+  stage.render();
+  const { width, height } = stage.canvas;
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const style = getComputedStyle(document.documentElement);
+  const draw = canvas.getContext("2d");
+  const unit = width / stage.canvas.clientWidth;
+  draw.fillStyle = style.getPropertyValue("--stage");
+  draw.fillRect(0, 0, width, height);
+  draw.drawImage(stage.canvas, 0, 0);
+  draw.scale(unit, unit);
+  draw.fillStyle = style.getPropertyValue("--ink");
+  draw.font = "600 15px system-ui, sans-serif";
+  draw.fillText(`${title} · ${pressure.value.toFixed(1)} kPa`, 20, height / unit - 20);
+  drawLegend(draw, actuator.field, marks);
+  return canvas;
+}
+
+function drawLegend(draw, field, marks) {
+  const { name, unit } = FIELDS[field];
+  draw.font = "600 13px system-ui, sans-serif";
+  draw.fillText(`${name}, ${unit}`, 20, 30);
+  for (let x = 0; x < 220; x++) {
+    draw.fillStyle = `rgb(${colourAt(field, x / 219)})`;
+    draw.fillRect(20 + x, 38, 1.5, 10);
+  }
+  draw.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--ink");
+  draw.font = "12px system-ui, sans-serif";
+  draw.textAlign = "center";
+  tickTexts(marks).forEach((text, i) => draw.fillText(text, 20 + (220 * i) / (marks.length - 1), 63));
+}
+
+/** Connects the button, and puts a picture in the canvas's place on paper, where there are no three-dimensional graphics. */
+export function connectSnapshots(viewer, title) {
+  document.getElementById("snapshot").addEventListener("click", () => {
+    const link = document.createElement("a");
+    link.download = `${title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "actuator"}.png`;
+    link.href = picture(viewer, title).toDataURL("image/png");
+    link.click();
+  });
+  window.addEventListener("beforeprint", () => {
+    viewer.stage.render();
+    document.getElementById("printout").src = viewer.stage.canvas.toDataURL("image/png");
+  });
+}

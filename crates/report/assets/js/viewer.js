@@ -1,0 +1,144 @@
+// The view of the actuator with its legend, probe, views, and the controls of what is shown.
+
+import { Vector3 } from "three";
+import { Actuator } from "pneuflex/actuator";
+import { fixed } from "pneuflex/format";
+import { FIELDS, Legend, legendTicks } from "pneuflex/legend";
+import { Probe } from "pneuflex/probe";
+import { Stage } from "pneuflex/stage";
+import { States, largest } from "pneuflex/states";
+
+const byId = (id) => document.getElementById(id);
+
+export class Viewer {
+  constructor(body, pressure) {
+    this.pressure = pressure;
+    this.states = new States(body);
+    this.actuator = new Actuator(body, this.states);
+    this.stage = new Stage(byId("canvas"), () => this.outline());
+    this.stage.scene.add(this.actuator.group);
+    this.legend = new Legend(byId("legend"));
+    this.probe = new Probe(byId("probe"), this.stage, this.actuator, body);
+    const renderOnly = this.stage.render.bind(this.stage);
+    this.stage.render = () => {
+      this.probe.scale();
+      renderOnly();
+    };
+    this.connect();
+    pressure.listen((value) => this.showPressure(value));
+    this.showParts();
+    this.useTheme();
+    this.stage.look("iso", false);
+  }
+
+  connect() {
+    const on = (id, event, act) => byId(id)?.addEventListener(event, act);
+    byId("options").addEventListener("change", (event) => {
+      if (event.target.name === "field") this.useField(event.target.value);
+      if (event.target.name === "section") this.chooseAxis(event.target.value);
+    });
+    on("fit", "change", () => this.showLegend());
+    for (const id of ["whole", "ghost", "mesh"]) on(id, "change", () => this.showParts());
+    on("cut", "input", () => this.cut());
+    on("flip", "click", () => {
+      this.side = -this.side;
+      this.cut();
+    });
+    document.querySelectorAll("[data-view]").forEach((button) =>
+      button.addEventListener("click", () => {
+        if (button.dataset.view === "reset") this.probe.choose(null);
+        this.stage.look(button.dataset.view === "reset" ? "iso" : button.dataset.view);
+      }),
+    );
+    this.side = 1;
+  }
+
+  showPressure(value) {
+    const began = performance.now();
+    this.states.evaluate(value);
+    this.actuator.update();
+    this.probe.update();
+    this.showLegend();
+    this.updateTime = performance.now() - began;
+    this.stage.requestRender();
+  }
+
+  useField(field) {
+    this.actuator.useField(field);
+    this.showPressure(this.pressure.value);
+  }
+
+  /** The range in the field's stored unit. */
+  showLegend() {
+    const { field } = this.actuator;
+    const { scale } = FIELDS[field];
+    const typical = byId("fit").checked ? this.states.typicalAt(field, this.pressure.value) : largest(this.states.typical[field]);
+    this.marks = legendTicks(scale * typical);
+    this.actuator.useTop(this.marks[this.marks.length - 1] / scale);
+    this.legend.show(field, this.marks, scale * largest(this.states.values[field]));
+    this.stage.requestRender();
+  }
+
+  showParts() {
+    this.actuator.show({ whole: Boolean(byId("whole")?.checked), mesh: byId("mesh").checked, ghost: byId("ghost").checked });
+    if (this.plane) this.chooseAxis("xyz"[this.plane.axis]);
+    this.stage.requestRender();
+  }
+
+  chooseAxis(name) {
+    const axis = "xyz".indexOf(name);
+    const slider = byId("cut");
+    for (const id of ["cut", "flip"]) byId(id).disabled = axis < 0;
+    if (axis >= 0) {
+      const all = this.states.nodes.filter((_, i) => i % 3 === axis);
+      const high = largest(all);
+      const low = axis === 1 && this.actuator.whole ? -high : all.reduce((a, b) => Math.min(a, b), Infinity);
+      const changed = this.plane?.axis !== axis;
+      [slider.min, slider.max] = [low, high];
+      // A first cut shows something: through the middle, or along the body beside its symmetry plane.
+      if (changed) slider.value = axis === 1 && this.actuator.whole ? 0 : (low + high) / 2;
+      if (changed) this.side = axis === 1 ? -1 : 1;
+    }
+    this.axis = axis;
+    this.cut();
+  }
+
+  cut() {
+    const { axis, side } = this;
+    const at = Number(byId("cut").value);
+    const size = largest(this.states.nodes);
+    // Not exactly through nodes, where a cut through whole layers of them would be ambiguous.
+    this.plane = axis >= 0 ? { axis, at: at + 1e-5 * size, side } : null;
+    byId("cut-readout").textContent = axis < 0 ? "–" : `${"xyz"[axis]} = ${fixed(at, 1)} mm`;
+    this.actuator.cut(this.plane);
+    this.stage.requestRender();
+  }
+
+  /** Corners of what is ever in sight: the shapes at all computed pressures. */
+  outline() {
+    const { skinNodes, whole } = this.actuator;
+    const points = [];
+    for (let v = 0; v < skinNodes.length; v += 7) {
+      for (const [x, y, z] of this.states.placesOf(skinNodes[v])) {
+        points.push(new Vector3(x, y, z));
+        if (whole) points.push(new Vector3(x, -y, z));
+      }
+    }
+    return points;
+  }
+
+  useTheme() {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => [1, 3, 5].map((i) => parseInt(style.getPropertyValue(name).trim().slice(i, i + 2), 16) / 255);
+    this.actuator.useLineColours(colour("--line"), colour("--ghost"));
+    this.stage.requestRender();
+  }
+
+  /** Where a node of the modelled half is on the page. */
+  placeOnPage(node) {
+    const { position } = this.states;
+    const [x, y] = this.stage.project(new Vector3(...position.subarray(3 * node, 3 * node + 3)));
+    const { left, top } = this.stage.canvas.getBoundingClientRect();
+    return [left + x, top + y];
+  }
+}

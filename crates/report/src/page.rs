@@ -1,0 +1,238 @@
+//! The page: its elements, into which the modules of `assets/js` draw.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::tables::{inputs, notices, number, results, status_text, thousands};
+use crate::{Report, assets};
+
+/// Nothing may be loaded from anywhere: everything is in the page itself.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
+                      base-uri 'none'; form-action 'none'";
+
+const PLAY: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path class="play" d="M8 5.5v13l11-6.5z"/><path class="pause" d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>"#;
+const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3a9 9 0 1 0 0 18zm0-1a10 10 0 1 1 0 20 10 10 0 0 1 0-20z"/></svg>"#;
+
+/// The whole text of the page; `data` is the JSON that the modules read.
+pub fn html(report: &Report<'_>, data: &str) -> String {
+    let case = report.case;
+    let title = if case.title.is_empty() { "Soft actuator" } else { case.title.as_str() };
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="color-scheme" content="light dark";
+                title { (title) " – pneuflex" }
+                style { (PreEscaped(assets::STYLE)) }
+                script type="importmap" { (PreEscaped(assets::import_map())) }
+            }
+            body {
+                (masthead(report, title))
+                (notices(report.summary))
+                noscript { p .notice { "The three-dimensional view and the plots need JavaScript. The tables below do not." } }
+                main {
+                    div .dashboard {
+                        (viewer(report))
+                        section #plots .plots aria-label="Plots against pressure" {}
+                    }
+                    (results(report))
+                    (inputs(report))
+                }
+                footer { p { "Written by pneuflex. This page needs no network. The view is drawn with three.js:" } pre { (assets::LICENCES) } }
+                script #report-data type="application/json" { (PreEscaped(data)) }
+                script type="module" { (PreEscaped("import \"pneuflex/main\";")) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn masthead(report: &Report<'_>, title: &str) -> Markup {
+    let summary = report.summary;
+    let chambers = report.case.actuator.chambers;
+    let reached = summary.landed().last().map(|(pressure, _)| format!(" · computed to {} kPa", number(pressure)));
+    html! {
+        header .masthead {
+            div .titles {
+                h1 { (title) }
+                p {
+                    (chambers) @if chambers == 1 { " chamber" } @else { " chambers" }
+                    " · " (thousands(summary.mesh.elements)) " elements " (summary.mesh.element)
+                    " · " (thousands(summary.mesh.unknowns)) " unknowns" @if let Some(reached) = reached { (reached) }
+                }
+            }
+            p .status .bad[!summary.is_converged()] { (status_text(summary)) }
+            button #theme .icon type="button" aria-label="Light or dark" title="Light or dark" { (PreEscaped(MOON)) }
+        }
+    }
+}
+
+fn viewer(report: &Report<'_>) -> Markup {
+    html! {
+        section .viewer aria-label="The deformed actuator" {
+            @if report.states.is_some() { (stage()) } @else {
+                p .notice {
+                    "There is no view of the deformed actuator: the run wrote no fields (" code { "output.fields = false" }
+                    "). Run the case with " code { "--set output.fields=true" } " to have it."
+                }
+            }
+            (transport())
+            @if report.states.is_some() { (options(report)) }
+        }
+    }
+}
+
+fn stage() -> Markup {
+    let view = |name: &str, label: &str, key: &str| {
+        html! { button type="button" data-view=(name) title={ "View: " (name) " (" (key) ")" } { (label) } }
+    };
+    html! {
+        div #stage .stage {
+            canvas #canvas tabindex="0" role="img" aria-label="The deformed actuator in three dimensions" aria-describedby="hint" {}
+            img #printout alt="The deformed actuator";
+            div #legend .legend aria-live="polite" {}
+            div .views role="group" aria-label="Views" {
+                (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
+                button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
+            }
+            div #probe .probe role="status" hidden {}
+            p #hint .hint {
+                span .pointer { "Drag to turn, right button to shift, wheel to zoom, click to read values." }
+                span .touch { "Drag to turn, two fingers to shift and zoom, tap to read values." }
+                span .hidden { " Keys: arrows turn, plus and minus zoom, 1, 2, 3 and 0 choose a view, space plays." }
+            }
+            p #no-view .notice hidden { "This browser shows no three-dimensional graphics (WebGL). Plots and tables below are complete." }
+        }
+    }
+}
+
+fn transport() -> Markup {
+    html! {
+        div .transport {
+            button #play .icon type="button" aria-label="Play" title="Play (space)" { (PreEscaped(PLAY)) }
+            div .track {
+                label .hidden for="pressure" { "Air pressure in kPa" }
+                input #pressure type="range" min="0" step="any";
+                div #ticks .ticks {}
+            }
+            div .readout {
+                output #pressure-readout for="pressure" {}
+                span #origin .origin {}
+                span #key-numbers .key-numbers {}
+            }
+        }
+    }
+}
+
+fn options(report: &Report<'_>) -> Markup {
+    let radio = |name: &str, value: &str, label: &str, checked: bool| {
+        html! { label { input type="radio" name=(name) value=(value) checked[checked]; span { (label) } } }
+    };
+    let tick = |id: &str, label: &str, checked: bool| {
+        html! { label .tick { input id=(id) type="checkbox" checked[checked]; span { (label) } } }
+    };
+    let is_half = report.case.actuator.part == pneuflex_mesh::actuator::Part::Half;
+    html! {
+        div #options .options {
+            fieldset {
+                legend { "Colour" }
+                div .segments {
+                    (radio("field", "vonMises", "von Mises", true))
+                    (radio("field", "displacement", "Displacement", false))
+                    (radio("field", "contactPressure", "Contact", false))
+                }
+                (tick("fit", "fit range to this pressure", false))
+            }
+            fieldset {
+                legend { "Section" }
+                div .segments {
+                    (radio("section", "off", "Off", true))
+                    (radio("section", "x", "x", false)) (radio("section", "y", "y", false)) (radio("section", "z", "z", false))
+                }
+                div .cut {
+                    label .hidden for="cut" { "Position of the section in mm, in the undeformed body" }
+                    input #cut type="range" step="any" disabled;
+                    output #cut-readout for="cut" { "–" }
+                    button #flip type="button" disabled title="Show the other side" { "Flip" }
+                }
+            }
+            fieldset {
+                legend { "Show" }
+                @if is_half { (tick("whole", "both halves", true)) }
+                (tick("ghost", "rest shape", true))
+                (tick("mesh", "mesh", false))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Report;
+    use crate::summary::Summary;
+    use crate::testing::{summary_json, two_chambers};
+    use pneuflex_mesh::Actuator;
+    use pneuflex_model::{Case, Formulation, Problem};
+    use serde_json::json;
+
+    fn page(title: &str, change: impl Fn(&mut serde_json::Value)) -> String {
+        let case: Case = serde_json::from_value(json!({
+            "title": title, "load": {"pressure_kpa": [5.0]}, "probe": [{"name": "<i>tip", "at": [18, 0, 0]}],
+            "actuator": serde_json::to_value(Actuator::two_chambers()).unwrap()
+        }))
+        .unwrap();
+        let problem: Problem = two_chambers(Formulation::Hex8Sri);
+        let mut summary = summary_json(&[5.0]);
+        change(&mut summary);
+        let summary: Summary = serde_json::from_value(summary).unwrap();
+        let u = vec![0.25; problem.num_dofs()];
+        let nodes = vec![0.0; problem.mesh.num_nodes()];
+        let state = crate::state::State {
+            pressure_kpa: 5.0,
+            displacement: u,
+            von_mises: nodes.clone(),
+            contact_pressure: nodes,
+        };
+        let report = Report { case: &case, problem: &problem, summary: &summary, states: Some(&[state]) };
+        crate::render(&report).unwrap()
+    }
+
+    #[test]
+    fn text_of_the_user_never_becomes_markup() {
+        let hostile = "</script><b>bold</b><!-- \" & '";
+        let html = page(hostile, |summary| {
+            summary["failure"] = hostile.into();
+            summary["status"] = "not-converged".into();
+            summary["warnings"] = json!([{"kind": "unstable", "message": hostile, "advice": hostile}]);
+        });
+        assert!(!html.contains("<b>") && !html.contains("<i>tip") && !html.contains("<!-- "));
+        assert!(html.contains("&lt;/script&gt;&lt;b&gt;bold"));
+        // Three scripts: the import map, the data, the start.
+        assert_eq!(html.matches("</script>").count(), 3);
+        let data = html.split("application/json\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let data: serde_json::Value = serde_json::from_str(data).unwrap();
+        assert_eq!(data["title"], hostile);
+    }
+
+    #[test]
+    fn a_run_that_failed_says_so_before_anything_else() {
+        let html = page("t", |summary| {
+            summary["status"] = "not-converged".into();
+            summary["failure"] = "the load step became too small".into();
+        });
+        let (before, _) = html.split_once("<main>").unwrap();
+        assert!(before.contains("The run did not converge") && before.contains("the load step became too small"));
+        assert!(!page("t", |_| ()).contains("class=\"notice failure\""));
+    }
+
+    #[test]
+    fn the_page_is_the_same_every_time_and_asks_for_nothing() {
+        let html = page("t", |_| ());
+        assert_eq!(html, page("t", |_| ()));
+        assert!(!html.contains("NaN"));
+        let outside = html.replace("http-equiv", "").replace("http://www.w3.org", "");
+        assert!(!outside.contains("http:") && !outside.contains("https:") && !outside.contains("src=\"/"));
+    }
+}

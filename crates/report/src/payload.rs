@@ -1,0 +1,122 @@
+//! The data that the page's modules work on, as JSON.
+
+use pneuflex_mesh::actuator::Part;
+use serde::Serialize;
+
+use crate::body::Body;
+use crate::quantise::{Quantised, floats, integers};
+use crate::series::Point;
+use crate::skin::{Lines, Skin};
+use crate::state::State;
+use crate::subdivision::tetrahedra;
+use crate::{Report, ReportError};
+
+#[derive(Serialize)]
+struct Payload<'a> {
+    title: &'a str,
+    series: &'a [Point],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    body: Option<BodyData<'a>>,
+}
+
+#[derive(Serialize)]
+struct BodyData<'a> {
+    /// Whether the other half is the mirror image at y = 0.
+    mirrored: bool,
+    nodes: String,
+    elements: String,
+    nodes_per_element: usize,
+    tetrahedra: Vec<[u8; 4]>,
+    skin_vertices: String,
+    skin_triangles: String,
+    skin_parts: [usize; 2],
+    mesh_edges: LineData,
+    sharp_edges: LineData,
+    probes: Vec<ProbeData<'a>>,
+    /// Nodes of the mesh; those beyond were added.
+    mesh_nodes: usize,
+    states: Vec<StateData>,
+}
+
+#[derive(Serialize)]
+struct LineData {
+    pairs: String,
+    parts: [usize; 2],
+}
+
+#[derive(Serialize)]
+struct ProbeData<'a> {
+    name: &'a str,
+    node: usize,
+}
+
+#[derive(Serialize)]
+struct StateData {
+    pressure: f64,
+    displacement: Quantised,
+    von_mises: Quantised,
+    contact_pressure: Quantised,
+    /// Values that 99 % of the nodes (for the contact: of the nodes in contact) do not exceed.
+    typical: Typical,
+}
+
+#[derive(Serialize)]
+struct Typical {
+    von_mises: f64,
+    contact_pressure: f64,
+}
+
+/// The data as JSON that can stand within a `script` element.
+pub fn of(report: &Report<'_>, series: &[Point]) -> Result<String, ReportError> {
+    let body = report.states.map(|states| body_data(report, states)).transpose()?;
+    let payload = Payload { title: &report.case.title, series, body };
+    let text = serde_json::to_string(&payload).map_err(|e| ReportError::Json(e.to_string()))?;
+    Ok(for_script(&text))
+}
+
+/// JSON without the one character that could end the script element around it.
+pub fn for_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a>, ReportError> {
+    let mesh = &report.problem.mesh;
+    let body = Body::new(mesh);
+    let skin = Skin::new(mesh, &report.problem.pressure_facets, &body);
+    let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
+    let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
+    let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);
+    let p99 = report.summary.landed().map(|(_, landed)| landed.von_mises_p99_mpa);
+    Ok(BodyData {
+        mirrored: report.case.actuator.part == Part::Half,
+        nodes: floats(body.nodes.as_flattened()),
+        elements: integers(&body.connectivity),
+        nodes_per_element: body.kind.num_nodes(),
+        tetrahedra: tetrahedra(body.kind),
+        skin_vertices: integers(&skin.vertices),
+        skin_triangles: integers(skin.triangles.as_flattened()),
+        skin_parts: skin.parts,
+        mesh_edges: lines(&skin.mesh_edges),
+        sharp_edges: lines(&skin.sharp_edges),
+        probes: probes.map(|(name, site)| ProbeData { name, node: site.node }).collect(),
+        mesh_nodes: mesh.num_nodes(),
+        states: states.iter().zip(p99).map(typical).collect::<Result<_, _>>()?,
+    })
+}
+
+fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateData, ReportError> {
+    let quantised =
+        |name: &str, values: &[f64]| Quantised::new(values).ok_or_else(|| ReportError::NotFinite(name.into()));
+    // Between the nodes of hex20 a field may overshoot below zero, which neither of these can be.
+    let scalar = |values: &[f64]| body.completed(values, 1).into_iter().map(|x| x.max(0.0)).collect::<Vec<f64>>();
+    let mut touching: Vec<f64> = state.contact_pressure.iter().copied().filter(|p| *p > 0.0).collect();
+    touching.sort_by(f64::total_cmp);
+    let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
+    Ok(StateData {
+        pressure: state.pressure_kpa,
+        displacement: quantised("displacement", &body.completed(&state.displacement, 3))?,
+        von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
+        contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,
+        typical: Typical { von_mises: von_mises_p99, contact_pressure: contact_p99.copied().unwrap_or(0.0) },
+    })
+}

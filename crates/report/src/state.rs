@@ -1,0 +1,111 @@
+//! The fields at one pressure.
+
+use pneuflex_model::Problem;
+use pneuflex_post::vtu::Grid;
+
+use crate::ReportError;
+
+/// Fields at the nodes of the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Air pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Displacements, mm, three per node.
+    pub displacement: Vec<f64>,
+    /// von Mises stress, MPa.
+    pub von_mises: Vec<f64>,
+    /// Length of the traction that the opposite wall exerts, MPa; zero away from the walls.
+    pub contact_pressure: Vec<f64>,
+}
+
+impl State {
+    /// The fields in the files of one pressure: the body's, and the contact walls' if there are any (see
+    /// [`pneuflex_post::fields`]).
+    ///
+    /// # Errors
+    /// Grids of another mesh, missing fields.
+    pub fn from_grids(problem: &Problem, body: &Grid, walls: Option<&Grid>) -> Result<Self, ReportError> {
+        let nodes = &problem.mesh.nodes;
+        fits("the grid of points", nodes, &body.points)?;
+        let mut state = Self {
+            pressure_kpa: body.time,
+            displacement: field(body, "displacement")?,
+            von_mises: field(body, "von_mises")?,
+            contact_pressure: vec![0.0; nodes.len()],
+        };
+        if let Some(walls) = walls {
+            let wall_nodes = wall_nodes(problem);
+            let expected: Vec<[f64; 3]> = wall_nodes.iter().map(|&n| nodes[n as usize]).collect();
+            fits("the grid of the contact walls", &expected, &walls.points)?;
+            let traction = field(walls, "contact_traction")?;
+            for (&node, t) in wall_nodes.iter().zip(traction.chunks(3)) {
+                state.contact_pressure[node as usize] = t.iter().map(|x| x * x).sum::<f64>().sqrt();
+            }
+        }
+        Ok(state)
+    }
+}
+
+/// Nodes of the contact walls in the order of their file: by the faces in which they appear first.
+fn wall_nodes(problem: &Problem) -> Vec<u32> {
+    let mut seen = vec![false; problem.mesh.num_nodes()];
+    let facets = problem.contact_pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
+    let nodes = facets.flat_map(|&facet| problem.mesh.facet_nodes(facet));
+    nodes.filter(|&n| !std::mem::replace(&mut seen[n as usize], true)).collect()
+}
+
+fn fits(what: &str, expected: &[[f64; 3]], found: &[[f64; 3]]) -> Result<(), ReportError> {
+    let error = |expected: String, found: String| Err(ReportError::OtherMesh { what: what.into(), expected, found });
+    if expected.len() != found.len() {
+        return error(format!("{} nodes", expected.len()), format!("{} nodes", found.len()));
+    }
+    // The mesh is built from the decimal numbers of case.toml again: equal but for rounding.
+    let differs = |(a, b): &(&[f64; 3], &[f64; 3])| a.iter().zip(b.iter()).any(|(x, y)| (x - y).abs() > 1e-9);
+    match expected.iter().zip(found).find(differs) {
+        Some((a, b)) => error(format!("a node at {a:?} mm"), format!("one at {b:?} mm")),
+        None => Ok(()),
+    }
+}
+
+fn field(grid: &Grid, name: &str) -> Result<Vec<f64>, ReportError> {
+    let values = grid.point_values(name).ok_or_else(|| ReportError::MissingField(name.into()))?;
+    if values.iter().all(|x| x.is_finite()) { Ok(values.to_vec()) } else { Err(ReportError::NotFinite(name.into())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{displaced, two_chambers};
+    use pneuflex_model::Formulation;
+    use pneuflex_post::{contact, fields, stress};
+
+    #[test]
+    fn fields_come_back_at_their_nodes_and_foreign_ones_are_refused() {
+        let problem = two_chambers(Formulation::Hex8Sri);
+        // The first chamber leans onto the second.
+        let u = displaced(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 } * x[2] / 13.0, 0.0, 0.0]);
+        let (stress, contact) = (stress::recover(&problem, &u).unwrap(), contact::evaluate(&problem, &u).unwrap());
+        let body = fields::body(&problem, &u, &stress, 5.0).unwrap();
+        let walls = fields::contact_walls(&problem, &u, &contact, 5.0).unwrap().unwrap();
+        let state = State::from_grids(&problem, &body, Some(&walls)).unwrap();
+        assert_eq!((&state.displacement, state.pressure_kpa), (&u, 5.0));
+        let pressed: Vec<usize> =
+            (0..state.contact_pressure.len()).filter(|&n| state.contact_pressure[n] > 0.0).collect();
+        assert!(!pressed.is_empty());
+        for node in pressed {
+            let x = problem.mesh.nodes[node];
+            assert!(x[0] == 8.0 || x[0] == 10.0, "{x:?} is on no wall of the gap");
+        }
+
+        let other = two_chambers(Formulation::Hex27);
+        let message = State::from_grids(&other, &body, None).unwrap_err().to_string();
+        assert!(message.contains("does not fit the mesh"), "{message}");
+        let mut moved = body.clone();
+        moved.points[3][0] += 0.5;
+        assert!(State::from_grids(&problem, &moved, None).unwrap_err().to_string().contains("a node at"));
+        let mut without = body;
+        without.point_data.remove(1);
+        let missing = ReportError::MissingField("von_mises".into());
+        assert_eq!(State::from_grids(&problem, &without, None).unwrap_err(), missing);
+    }
+}

@@ -1,0 +1,190 @@
+//! What is read of `summary.json`. Keys that are not needed are passed over, so that later versions can be read.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+/// A run's summary.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Summary {
+    /// Title of the case.
+    #[serde(default)]
+    pub title: String,
+    /// Version of the program that wrote it.
+    #[serde(default)]
+    pub version: String,
+    /// `converged`, `not-converged`, `running`, or a word of a later version.
+    pub status: String,
+    /// Why the run ended early.
+    #[serde(default)]
+    pub failure: Option<String>,
+    /// Size of the mesh.
+    pub mesh: MeshSize,
+    /// Where the probes sit, by their names.
+    #[serde(default)]
+    pub probes: BTreeMap<String, ProbeSite>,
+    /// Requested pressures in increasing order.
+    pub steps: Vec<Step>,
+    /// Newton iterations.
+    #[serde(default)]
+    pub iterations_total: usize,
+    /// Where the time went.
+    #[serde(default)]
+    pub timing: Timing,
+    /// What to be careful about.
+    #[serde(default)]
+    pub warnings: Option<Vec<Warning>>,
+}
+
+/// Size of the mesh.
+#[derive(Clone, Debug, Deserialize)]
+pub struct MeshSize {
+    /// Nodes.
+    pub nodes: usize,
+    /// Elements.
+    pub elements: usize,
+    /// Unknown displacements.
+    pub unknowns: usize,
+    /// Name of the element formulation.
+    pub element: String,
+}
+
+/// A probe's node.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ProbeSite {
+    /// Node number.
+    pub node: usize,
+}
+
+/// A requested pressure.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Step {
+    /// Air pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Whether it was reached.
+    pub converged: bool,
+    /// Newton iterations spent since the previous pressure.
+    #[serde(default)]
+    pub iterations: usize,
+    /// What was found, if it was reached.
+    #[serde(flatten)]
+    pub landed: Option<Landed>,
+}
+
+/// What was found at a landed pressure.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Landed {
+    /// Displacement of every probe, mm.
+    #[serde(default)]
+    pub probes: BTreeMap<String, [f64; 3]>,
+    /// Angle of the end face, degrees, positive downwards.
+    pub end_face_angle_deg: f64,
+    /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip.
+    pub centreline: Vec<[f64; 2]>,
+    /// Largest von Mises stress, MPa.
+    pub max_von_mises_mpa: f64,
+    /// von Mises stress not exceeded in 99 % of the volume, MPa.
+    pub von_mises_p99_mpa: f64,
+    /// Contact.
+    pub contact: Contact,
+    /// Volume of the modelled air, mm³.
+    pub cavity_volume_mm3: f64,
+    /// What to be careful about, as older versions wrote it.
+    #[serde(default)]
+    pub warning: Option<String>,
+}
+
+/// Contact at a landed pressure.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Contact {
+    /// Reference area in contact, mm².
+    pub area_mm2: f64,
+    /// Largest depth by which walls pass through each other, mm.
+    pub max_penetration_mm: f64,
+    /// Gaps whose walls touch.
+    pub gaps_in_contact: usize,
+}
+
+/// Where the time went, s.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct Timing {
+    /// Assembly of residual and tangent.
+    #[serde(default)]
+    pub assembly_s: f64,
+    /// Factorisations.
+    #[serde(default)]
+    pub factor_s: f64,
+    /// Solutions.
+    #[serde(default)]
+    pub solve_s: f64,
+    /// Contact search.
+    #[serde(default)]
+    pub contact_s: f64,
+    /// The whole run.
+    #[serde(default)]
+    pub total_s: f64,
+}
+
+/// Something to be careful about.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Warning {
+    /// Pressure from which it holds, kPa.
+    #[serde(default)]
+    pub pressure_kpa: Option<f64>,
+    /// What was found.
+    pub message: String,
+    /// What to do about it.
+    #[serde(default)]
+    pub advice: String,
+}
+
+impl Summary {
+    /// Whether every requested pressure was reached.
+    pub fn is_converged(&self) -> bool {
+        self.status == "converged"
+    }
+
+    /// The pressures that were reached, kPa, with what was found there.
+    pub fn landed(&self) -> impl Iterator<Item = (f64, &Landed)> {
+        self.steps.iter().filter_map(|step| Some((step.pressure_kpa, step.landed.as_ref()?)))
+    }
+
+    /// The warnings; those that older versions attached to steps if there is no list of them.
+    pub fn all_warnings(&self) -> Vec<Warning> {
+        let of_step = |(pressure, landed): (f64, &Landed)| {
+            let message = landed.warning.clone()?;
+            Some(Warning { pressure_kpa: Some(pressure), message, advice: String::new() })
+        };
+        self.warnings.clone().unwrap_or_else(|| self.landed().filter_map(of_step).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    #[test]
+    fn a_pressure_that_was_missed_has_nothing_to_show() {
+        let mut value = testing::summary_json(&[5.0]);
+        let missed = serde_json::json!({"pressure_kpa": 9.0, "converged": false, "iterations": 4});
+        value["steps"].as_array_mut().unwrap().push(missed);
+        let summary: Summary = serde_json::from_value(value).unwrap();
+        assert_eq!((summary.steps.len(), summary.landed().count()), (2, 1));
+        assert_eq!(summary.steps[1].iterations, 4);
+    }
+
+    #[test]
+    fn the_older_warnings_are_shown_only_without_the_newer() {
+        let mut value = testing::summary_json(&[5.0]);
+        value["steps"][0]["warning"] = "old".into();
+        let read = |value: &serde_json::Value| -> Vec<String> {
+            let summary: Summary = serde_json::from_value(value.clone()).unwrap();
+            summary.all_warnings().into_iter().map(|w| w.message).collect()
+        };
+        assert_eq!(read(&value), ["old"]);
+        value["warnings"] =
+            serde_json::json!([{"kind": "unstable", "pressure_kpa": null, "message": "new", "advice": "a"}]);
+        assert_eq!(read(&value), ["new"]);
+    }
+}
