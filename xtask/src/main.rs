@@ -3,6 +3,7 @@
 
 mod bench;
 mod program;
+mod report_test;
 mod tidy;
 mod validate;
 mod verification;
@@ -14,6 +15,9 @@ const USAGE: &str = "usage: cargo xtask TASK
 tasks:
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
+  report-test [RESULT_DIR]
+            open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
+            target/report-test
   tidy      check the rules of this repository: arrows between crates, docs
   validate  the paper's figures and statements by the real program, as a report in target/validation
             [--quick] [--measured FILE.csv] [--docs]
@@ -26,6 +30,7 @@ fn main() -> ExitCode {
     let rest: Vec<&str> = arguments.iter().skip(1).map(String::as_str).collect();
     match arguments.first().map(String::as_str) {
         Some("bench") => bench::run(&arguments[1..]),
+        Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
         Some("verification") if rest.is_empty() => verification::run(false),
         Some("verification") if rest == ["--quick"] => verification::run(true),

@@ -40,7 +40,10 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
                     (results(report))
                     (inputs(report))
                 }
-                footer { p { "Written by pneuflex. This page needs no network. The view is drawn with three.js:" } pre { (assets::LICENCES) } }
+                footer {
+                    p { "Written by pneuflex. This page needs no network." }
+                    details { summary { "Licence of three.js, which draws the view" } pre { (assets::LICENCES) } }
+                }
                 script #report-data type="application/json" { (PreEscaped(data)) }
                 script type="module" { (PreEscaped("import \"pneuflex/main\";")) }
             }
@@ -89,21 +92,25 @@ fn stage() -> Markup {
         html! { button type="button" data-view=(name) title={ "View: " (name) " (" (key) ")" } { (label) } }
     };
     html! {
-        div #stage .stage {
-            canvas #canvas tabindex="0" role="img" aria-label="The deformed actuator in three dimensions" aria-describedby="hint" {}
-            img #printout alt="The deformed actuator";
-            div #legend .legend aria-live="polite" {}
-            div .views role="group" aria-label="Views" {
-                (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
-                button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
+        div .view {
+            div #stage .stage {
+                canvas #canvas tabindex="0" role="img" aria-label="The deformed actuator in three dimensions" aria-describedby="hint" {}
+                img #printout alt="The deformed actuator";
+                div #legend .legend aria-live="polite" {}
+                div .views role="group" aria-label="Views" {
+                    (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
+                    button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
+                }
+                p #hint .hint {
+                    span .pointer { "Drag to turn, right button to shift, wheel to zoom, click to read values." }
+                    span .touch { "Drag to turn, two fingers to shift and zoom, tap to read values." }
+                    span .hidden { " Keys: arrows turn, plus and minus zoom, 1, 2, 3 and 0 choose a view, space plays." }
+                }
+                p #no-view .notice hidden {
+                    "This browser shows no three-dimensional graphics (WebGL). Plots and tables below are complete."
+                }
             }
             div #probe .probe role="status" hidden {}
-            p #hint .hint {
-                span .pointer { "Drag to turn, right button to shift, wheel to zoom, click to read values." }
-                span .touch { "Drag to turn, two fingers to shift and zoom, tap to read values." }
-                span .hidden { " Keys: arrows turn, plus and minus zoom, 1, 2, 3 and 0 choose a view, space plays." }
-            }
-            p #no-view .notice hidden { "This browser shows no three-dimensional graphics (WebGL). Plots and tables below are complete." }
         }
     }
 }

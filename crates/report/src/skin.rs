@@ -30,9 +30,19 @@ pub struct Skin {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lines {
     /// Nodes at both ends.
-    pub pairs: Vec<[u32; 2]>,
+    pub pairs: Vec<Pair>,
     /// Number of lines of the outside, and of those with the cavity's.
     pub parts: [usize; 2],
+}
+
+/// Nodes at both ends of a line.
+pub type Pair = [u32; 2];
+
+/// An element's edge on the surface, with all the faces around it.
+#[derive(Default)]
+struct Edge {
+    lines: Vec<Pair>,
+    sides: Vec<EdgeSide>,
 }
 
 /// A side of an element's edge on the surface.
@@ -69,7 +79,7 @@ impl Skin {
 
     fn draw_edges(&mut self, mesh: &Mesh, facets: &[Vec<Facet>; 3]) {
         let corners = mesh.face_kind().num_corners();
-        let mut edges: BTreeMap<[u32; 2], (Vec<[u32; 2]>, Vec<EdgeSide>)> = BTreeMap::new();
+        let mut edges: BTreeMap<Pair, Edge> = BTreeMap::new();
         for (part, facet) in facets.iter().enumerate().flat_map(|(part, list)| list.iter().map(move |f| (part, f))) {
             let nodes = mesh.facet_nodes(*facet);
             let at = |i: usize| mesh.nodes[nodes[i % corners] as usize];
@@ -77,16 +87,16 @@ impl Skin {
             for i in 0..corners {
                 let (a, b) = (nodes[i], nodes[(i + 1) % corners]);
                 // With a node in the middle, the edge is drawn as two lines.
-                let lines = match nodes.get(corners + i) {
+                let edge = edges.entry([a.min(b), a.max(b)]).or_default();
+                edge.lines = match nodes.get(corners + i) {
                     Some(&middle) => vec![[a, middle], [middle, b]],
                     None => vec![[a, b]],
                 };
-                let entry = edges.entry([a.min(b), a.max(b)]).or_insert_with(|| (lines, Vec::new()));
-                entry.1.push(EdgeSide { normal, part });
+                edge.sides.push(EdgeSide { normal, part });
             }
         }
-        let (mut of_mesh, mut sharp): ([Vec<[u32; 2]>; 3], [Vec<[u32; 2]>; 3]) = Default::default();
-        for (lines, sides) in edges.into_values() {
+        let [mut of_mesh, mut sharp]: [[Vec<Pair>; 3]; 2] = Default::default();
+        for Edge { lines, sides } in edges.into_values() {
             let first = sides.iter().map(|side| side.part).min().unwrap_or(0);
             of_mesh[first].extend(&lines);
             if sides.iter().any(|s| sides.iter().any(|t| dot(s.normal, t.normal) < SHARP)) {
@@ -100,7 +110,7 @@ impl Skin {
 }
 
 impl Lines {
-    fn new(parts: &[Vec<[u32; 2]>; 3]) -> Self {
+    fn new(parts: &[Vec<Pair>; 3]) -> Self {
         let outside = parts[0].len();
         Self { pairs: parts.concat(), parts: [outside, outside + parts[1].len()] }
     }

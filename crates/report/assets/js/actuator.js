@@ -5,6 +5,7 @@ import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Sphere, Vec
 import { integers } from "pneuflex/data";
 import { NO_PLANE, colourUniforms, flatMaterial, surfaceMaterial, useMap } from "pneuflex/material";
 import { Section } from "pneuflex/section";
+import { largest } from "pneuflex/states";
 
 export class Actuator {
   constructor(body, states) {
@@ -14,7 +15,7 @@ export class Actuator {
     this.triangles = integers(body.skin_triangles);
     // Lengths of the lists without the cavity, and without the symmetry plane.
     this.parts = { triangles: body.skin_parts, mesh: body.mesh_edges.parts, sharp: body.sharp_edges.parts };
-    this.colours = colourUniforms();
+    this.colours = colourUniforms(2e-3 * largest(states.nodes));
     this.field = "vonMises";
     this.whole = this.mirrored;
     this.plane = null;
@@ -95,8 +96,15 @@ export class Actuator {
   useField(field) {
     this.field = field;
     useMap(this.colours, field);
-    // Contact is a matter of surfaces: inside the walls there is nothing to show.
-    for (const { cap } of this.halves) cap.material.uniforms.plain.value = field === "contactPressure";
+    // Contact is a matter of the walls between the chambers: the rest is made of glass, and cut faces have nothing to show.
+    const isContact = field === "contactPressure";
+    this.colours.glass.value = isContact;
+    for (const { cap, skin } of this.halves) {
+      cap.material.uniforms.plain.value = isContact;
+      skin.material.transparent = isContact;
+      skin.material.depthWrite = !isContact;
+      skin.material.needsUpdate = true;
+    }
   }
 
   useTop(top) {

@@ -11,18 +11,23 @@ const PASS_REFERENCE = /* glsl */ `
 
 const CUT = /* glsl */ `
   uniform vec4 plane;
+  uniform float slack;
   varying vec3 vReference;
-  bool beyond() { return dot(vReference, plane.xyz) > plane.w; }
+  // About a pixel further than the plane, so that no light shines between the surface and the cut face.
+  bool beyond() {
+    float distance = dot(vReference, plane.xyz) - plane.w;
+    return distance > min(fwidth(distance), slack);
+  }
 `;
 
 /** A plane that cuts nothing. */
 export const NO_PLANE = [0, 0, 0, 1];
 
-/** What all surfaces share: the colour map and its range. */
-export function colourUniforms() {
+/** What all surfaces share: the colour map and its range, and how far, in mm, they may reach beyond the section plane. */
+export function colourUniforms(slack) {
   const texture = new DataTexture(new Uint8Array(4 * 256), 256, 1);
   texture.magFilter = texture.minFilter = LinearFilter;
-  return { map: { value: texture }, top: { value: 1 } };
+  return { map: { value: texture }, top: { value: 1 }, glass: { value: false }, slack: { value: slack } };
 }
 
 /** Chooses the colour map of a field. */
@@ -31,7 +36,10 @@ export function useMap(uniforms, field) {
   uniforms.map.value.needsUpdate = true;
 }
 
-/** A lit, coloured surface. `plain` surfaces (cut faces where the field means nothing) are grey. */
+/**
+ * A lit, coloured surface. `plain` surfaces (cut faces where the field means nothing) are grey; with `glass`, surfaces are
+ * translucent where the value is zero.
+ */
 export function surfaceMaterial(colours, isCap) {
   return new ShaderMaterial({
     uniforms: { ...colours, plane: { value: new Vector4(...NO_PLANE) }, plain: { value: false } },
@@ -54,6 +62,7 @@ export function surfaceMaterial(colours, isCap) {
       uniform sampler2D map;
       uniform float top;
       uniform bool plain;
+      uniform bool glass;
       varying float vValue;
       varying vec3 vNormal;
       varying vec3 vView;
@@ -67,7 +76,8 @@ export function surfaceMaterial(colours, isCap) {
         float diffuse = 0.5 + 0.5 * dot(n, light);
         float shine = pow(max(dot(n, normalize(light + toEye)), 0.0), 48.0);
         float shade = mix(0.58, 1.04, diffuse * diffuse * (3.0 - 2.0 * diffuse));
-        gl_FragColor = vec4(colour * shade + 0.07 * shine, 1.0);
+        float opacity = glass && !plain ? mix(0.2, 1.0, smoothstep(0.0, 0.04, share)) : 1.0;
+        gl_FragColor = vec4(colour * shade + 0.07 * shine, opacity);
       }`,
     side: isCap ? DoubleSide : FrontSide,
     // Lines on the surface stay in front of it.
@@ -80,7 +90,7 @@ export function surfaceMaterial(colours, isCap) {
 /** Lines, or with `filled` an unlit transparent surface. */
 export function flatMaterial(opacity, filled = false) {
   return new ShaderMaterial({
-    uniforms: { plane: { value: new Vector4(...NO_PLANE) }, colour: { value: [0, 0, 0] }, opacity: { value: opacity } },
+    uniforms: { plane: { value: new Vector4(...NO_PLANE) }, slack: { value: 0 }, colour: { value: [0, 0, 0] }, opacity: { value: opacity } },
     vertexShader: /* glsl */ `
       ${PASS_REFERENCE}
       void main() {

@@ -25,13 +25,13 @@ function scale([low, high], [from, to]) {
 }
 
 class Plot {
-  /** @param range ticks along x and y, and where x ends if that is not the last tick */
-  constructor({ name, unit, xLabel }, pressure, curve, range) {
-    Object.assign(this, { name, unit, pressure, curve });
-    [this.xTicks, this.yTicks, this.xEnd = range[0][range[0].length - 1]] = range;
-    const { width, height, left, right, top, bottom } = SIZE;
-    this.x = scale([this.xTicks[0], this.xEnd], [left, width - right]);
-    this.y = scale([this.yTicks[0], this.yTicks[this.yTicks.length - 1]], [height - bottom, top]);
+  /** @param range `ticks` along x and y, and `ends` of the axes */
+  constructor({ name, unit, xLabel, size = SIZE }, pressure, curve, range) {
+    Object.assign(this, { name, unit, pressure, curve, size });
+    [this.xTicks, this.yTicks] = range.ticks;
+    const { width, height, left, right, top, bottom } = size;
+    this.x = scale(range.ends[0], [left, width - right]);
+    this.y = scale(range.ends[1], [height - bottom, top]);
     this.drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": this.description() });
     this.axes(xLabel);
     this.line();
@@ -53,7 +53,7 @@ class Plot {
   }
 
   axes(xLabel) {
-    const { width, height, left, right, bottom } = SIZE;
+    const { width, height, left, right, bottom } = this.size;
     const grid = svg("g", { class: "grid" });
     const texts = svg("g", { class: "texts" });
     tickTexts(this.yTicks).forEach((text, i) => {
@@ -171,18 +171,19 @@ class Shape extends Plot {
   }
 }
 
-/** Ticks along x and y for a shape whose lengths are drawn alike in both directions. */
-function evenTicks(xs, ys) {
-  const { width, height, left, right, top, bottom } = SIZE;
-  const shape = (width - left - right) / (height - top - bottom);
-  const [xLow, xHigh, yLow, yHigh] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  const yTicks = ticks(yLow, Math.max(yHigh, yLow + (xHigh - xLow) / shape), 4);
-  const tall = yTicks[yTicks.length - 1] - yTicks[0];
-  const step = yTicks[1] - yTicks[0];
-  // As far along x as the height allows; the last tick may come before the end.
-  const first = Math.floor(xLow / step + 1e-9);
-  const count = Math.floor((shape * tall) / step);
-  return [Array.from({ length: count + 1 }, (_, i) => (first + i) * step), yTicks, first * step + shape * tall];
+/** Size and ticks of a drawing in which lengths are alike in both directions. */
+function evenly(xs, ys) {
+  const { width, left, right, top, bottom } = SIZE;
+  const padded = (list, least) => {
+    const [low, high] = [Math.min(...list), Math.max(...list)];
+    const pad = 0.06 * Math.max(high - low, least);
+    return [low - pad, high + pad];
+  };
+  const x = padded(xs, 1e-3);
+  const y = padded(ys, (x[1] - x[0]) / 2);
+  const within = ([low, high], count) => ticks(low, high, count).filter((t) => low <= t && t <= high);
+  const tall = ((width - left - right) * (y[1] - y[0])) / (x[1] - x[0]);
+  return { size: { ...SIZE, height: tall + top + bottom }, range: { ticks: [within(x, 5), within(y, 4)], ends: [x, y] } };
 }
 
 /** Draws all plots into `container`; `series` is the data's. */
@@ -196,13 +197,15 @@ export function drawPlots(container, series, pressure) {
   const plots = QUANTITIES.map(({ key, name, unit }) => {
     const values = series.map((point) => point[key]);
     const low = key === "volume" ? Math.min(...values) : Math.min(0, ...values);
-    const range = [xTicks, ticks(low, Math.max(...values), 4)];
+    const both = [xTicks, ticks(low, Math.max(...values), 4)];
+    const range = { ticks: both, ends: both.map((list) => [list[0], list[list.length - 1]]) };
     return new Against({ name, unit, xLabel: "pressure, kPa" }, pressure, column((p) => [p[key]]), range);
   });
   if (series.every(({ centreline }) => centreline.length > 1)) {
     const [xs, zs] = [0, 1].map((d) => series.flatMap(({ centreline }) => centreline.map((point) => point[d])));
-    const labels = { name: "Bottom line and path of its tip", unit: "z over x in mm", xLabel: "x, mm" };
-    plots.splice(1, 0, new Shape(labels, pressure, column((p) => p.centreline.flat()), evenTicks(xs, zs)));
+    const { size, range } = evenly(xs, zs);
+    const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size };
+    plots.splice(1, 0, new Shape(labels, pressure, column((p) => p.centreline.flat()), range));
   }
   container.append(...plots.map((plot) => plot.element));
 }

@@ -107,8 +107,8 @@ export class Viewer {
     const { axis, side } = this;
     const at = Number(byId("cut").value);
     const size = largest(this.states.nodes);
-    // Not exactly through nodes, where a cut through whole layers of them would be ambiguous.
-    this.plane = axis >= 0 ? { axis, at: at + 1e-5 * size, side } : null;
+    // A hair beside the number, because cuts through whole layers of nodes, and along the seam of both halves, are ambiguous.
+    this.plane = axis >= 0 ? { axis, at: at + 5e-4 * size, side } : null;
     byId("cut-readout").textContent = axis < 0 ? "–" : `${"xyz"[axis]} = ${fixed(at, 1)} mm`;
     this.actuator.cut(this.plane);
     this.stage.requestRender();

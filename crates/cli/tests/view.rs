@@ -1,0 +1,96 @@
+//! The report: written by `run`, written again by `view`, and what is said about folders that cannot be shown.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{Ended, Scratch};
+
+const COARSE: &str = "two_chamber_coarse.toml";
+
+fn solved(name: &str, more: &[&str]) -> (Scratch, Ended) {
+    let scratch = Scratch::new(name);
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(COARSE);
+    let arguments = [&["run", fixture.to_str().unwrap(), "--threads", "1", "--quiet", "--out", "out"], more].concat();
+    let ended = scratch.run(&arguments);
+    (scratch, ended)
+}
+
+fn report(scratch: &Scratch) -> String {
+    fs::read_to_string(scratch.path("out/report.html")).unwrap()
+}
+
+#[test]
+fn run_leaves_a_report_that_view_writes_again_identically() {
+    let hostile = "title='</script><b>x'";
+    let (scratch, ended) = solved("view", &["--set", hostile, "--set", "load.pressure_kpa=[5, 15]"]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let page = report(&scratch);
+    assert!(page.len() < 10_000_000, "{} bytes", page.len());
+    assert!(page.contains("id=\"canvas\"") && !page.contains("<b>x") && !page.contains("NaN"));
+    fs::remove_file(scratch.path("out/report.html")).unwrap();
+    let ended = scratch.run(&["view", "out"]);
+    assert_eq!((ended.code, ended.err.as_str()), (0, "wrote out/report.html\n"));
+    assert_eq!(report(&scratch), page);
+}
+
+#[test]
+fn without_fields_there_are_tables_and_plots_and_on_request_there_is_no_report() {
+    let quick = ["--set", "output.fields=false", "--set", "load.pressure_kpa=[5]"];
+    let (scratch, ended) = solved("view-no-fields", &quick);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let page = report(&scratch);
+    assert!(
+        page.contains("the run wrote no fields") && !page.contains("id=\"canvas\"") && page.contains("id=\"plots\"")
+    );
+    let (scratch, ended) = solved("view-no-report", &[&quick[..], &["--no-report"]].concat());
+    assert_eq!((ended.code, scratch.path("out/report.html").exists()), (0, false), "{ended:?}");
+}
+
+#[test]
+fn a_run_that_did_not_converge_has_a_report_that_says_so() {
+    // One large step with two iterations for it.
+    let hopeless = ["--set", "solver.max_iterations=2", "--set", "solver.min_step_kpa=2"];
+    let (scratch, ended) = solved("view-failed", &hopeless);
+    assert_eq!(ended.code, 3, "{ended:?}");
+    let page = report(&scratch);
+    let failure = page.find("The run did not converge").unwrap();
+    assert!(failure < page.find("<main>").unwrap());
+}
+
+#[test]
+fn folders_that_cannot_be_shown_are_bad_input() {
+    let (scratch, _) = solved("view-bad", &["--set", "load.pressure_kpa=[5]", "--no-report"]);
+    let refused = |what: &str| {
+        let ended = scratch.run(&["view", "out"]);
+        assert_eq!(ended.code, 2, "{ended:?}");
+        assert!(ended.err.contains(what), "{} instead of {what}", ended.err);
+        assert!(!scratch.path("out/report.html").exists());
+    };
+    let changed = |file: &str, change: &dyn Fn(&str) -> String, what: &str| {
+        let path = scratch.path("out").join(file);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, change(&text)).unwrap();
+        refused(what);
+        fs::write(&path, text).unwrap();
+    };
+    changed("fields/step_01.vtu", &|t| t[..t.len() / 2].to_owned(), "fields/step_01.vtu: damaged: not an XML file");
+    changed("summary.json", &|t| t[..t.len() / 2].to_owned(), "summary.json: damaged");
+    changed("summary.json", &|t| t.replace("end_face_angle_deg", "x"), "results are missing at 5 kPa");
+    changed("case.toml", &|t| t.replace("gap = ", "gop = "), "unknown key `actuator.gop`");
+    changed("case.toml", &|t| t.replace("gap = 2.0", "gap = 2.5"), "does not fit the mesh of case.toml");
+    for file in ["fields/contact_01.vtu", "case.toml"] {
+        let (path, kept) = (scratch.path("out").join(file), scratch.path("kept"));
+        fs::rename(&path, &kept).unwrap();
+        refused(&format!("{file}: cannot be read"));
+        fs::rename(&kept, &path).unwrap();
+    }
+    let ended = scratch.run(&["view", "nowhere"]);
+    assert!(ended.code == 2 && ended.err.contains("nowhere: not a result folder"), "{ended:?}");
+    fs::create_dir(scratch.path("empty")).unwrap();
+    let ended = scratch.run(&["view", "empty"]);
+    assert!(ended.code == 2 && ended.err.contains("holds no summary.json"), "{ended:?}");
+}

@@ -1,0 +1,285 @@
+//! What is done with the page, and what has to come of it.
+
+use std::fs;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::Results;
+use super::browser::Browser;
+
+/// A device the page is looked at on.
+pub struct Screen {
+    /// Name of the pictures.
+    pub name: &'static str,
+    width: u32,
+    height: u32,
+    is_phone: bool,
+    scheme: &'static str,
+}
+
+/// Desk and phone, light and dark.
+pub const SCREENS: [Screen; 4] = [
+    Screen { name: "desktop-light", width: 1400, height: 900, is_phone: false, scheme: "light" },
+    Screen { name: "desktop-dark", width: 1400, height: 900, is_phone: false, scheme: "dark" },
+    Screen { name: "phone-light", width: 390, height: 844, is_phone: true, scheme: "light" },
+    Screen { name: "phone-dark", width: 390, height: 844, is_phone: true, scheme: "dark" },
+];
+
+/// mm by which positions in the page may differ from those of the summary: well above the 16-bit steps of displacements of
+/// 100 mm, far below what anybody looks at.
+const TOLERANCE: f64 = 2e-3;
+
+struct Visit<'a> {
+    browser: &'a mut Browser,
+    screen: &'a Screen,
+    results: &'a Results,
+    pictures: &'a Path,
+}
+
+/// Opens the report on a screen and uses it like somebody who wants to know.
+///
+/// # Errors
+/// The first thing that is not as it should be.
+pub fn look(browser: &mut Browser, screen: &Screen, results: &Results, pictures: &Path) -> Result<(), String> {
+    let mut visit = Visit { browser, screen, results, pictures };
+    visit.open()?;
+    visit.picture("1-first-look")?;
+    let tip = visit.probe()?;
+    visit.slider(&tip)?;
+    visit.legend()?;
+    visit.section()?;
+    visit.theme()?;
+    visit.whole_page()?;
+    let complaints = visit.browser.complaints()?;
+    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
+}
+
+/// Where there are no three-dimensional graphics, the page says so and shows the rest.
+///
+/// # Errors
+/// It does not.
+pub fn without_graphics(browser: &mut Browser, results: &Results) -> Result<(), String> {
+    open(browser, results)?;
+    let state = browser.evaluate(
+        "[document.getElementById('no-view').checkVisibility(), document.getElementById('canvas').checkVisibility(), \
+         document.querySelectorAll('#plots svg').length, document.querySelectorAll('.results tbody tr').length]",
+    )?;
+    let steps = results.summary["steps"].as_array().map_or(0, Vec::len);
+    expect(state == json!([true, false, 5, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
+    let complaints = browser.complaints()?;
+    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
+}
+
+fn open(browser: &mut Browser, results: &Results) -> Result<(), String> {
+    let page = results.folder.join("report.html");
+    browser.call("Page.navigate", &json!({"url": format!("file://{}", page.display())}))?;
+    browser.wait_for("window.pneuflex && document.readyState === 'complete'")
+}
+
+fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(otherwise()) }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The tip's node, and what the summary says of it at the highest pressure.
+struct Tip {
+    node: usize,
+    at: [f64; 3],
+    displacement: Vec<f64>,
+}
+
+impl Visit<'_> {
+    fn open(&mut self) -> Result<(), String> {
+        let Screen { width, height, is_phone, scheme, .. } = *self.screen;
+        let scale = if is_phone { 2 } else { 1 };
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": scale, "mobile": is_phone});
+        self.browser.call("Emulation.setDeviceMetricsOverride", &size)?;
+        let touch = json!({"enabled": is_phone, "maxTouchPoints": 2});
+        self.browser.call("Emulation.setTouchEmulationEnabled", &touch)?;
+        let features = json!({"features": [
+            {"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": "reduce"}
+        ]});
+        self.browser.call("Emulation.setEmulatedMedia", &features)?;
+        open(self.browser, self.results)?;
+        let wide = self.browser.evaluate("document.documentElement.scrollWidth - innerWidth")?;
+        expect(wide.as_i64() <= Some(0), || format!("the page is {wide} pixels wider than the screen"))
+    }
+
+    fn tip(&self) -> Result<Tip, String> {
+        let summary = &self.results.summary;
+        let node = summary["probes"]["tip"]["node"].as_u64().ok_or("the case has no probe `tip`")? as usize;
+        let steps = summary["steps"].as_array().ok_or("no steps")?;
+        let last = steps.iter().rfind(|step| step["converged"] == true).ok_or("no pressure was reached")?;
+        let u = last["probes"]["tip"].as_array().ok_or("no displacement of the tip")?;
+        let displacement = u.iter().filter_map(Value::as_f64).collect();
+        Ok(Tip { node, at: self.results.problem.mesh.nodes[node], displacement })
+    }
+
+    /// Clicks the tip in the section along the body and reads its displacement.
+    fn probe(&mut self) -> Result<Tip, String> {
+        let tip = self.tip()?;
+        self.click("#whole + span")?;
+        self.click("[data-view=side]")?;
+        let shown = self.browser.numbers(&format!("pneuflex.positionOf({})", tip.node))?;
+        let expected: Vec<f64> = tip.at.iter().zip(&tip.displacement).map(|(x, u)| x + u).collect();
+        expect(distance(&shown, &expected) < TOLERANCE, || format!("the tip is at {shown:?} instead of {expected:?}"))?;
+
+        // A little inside the body, where the tip is the nearest node.
+        let inside = self.results.problem.mesh.nearest_node([tip.at[0] - 2.0, 0.0, 2.0]).ok_or("an empty mesh")?.0;
+        self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
+        let places = format!("[...pneuflex.placeOnPage({}), ...pneuflex.placeOnPage({inside})]", tip.node);
+        let [x, y, u, v] = self.browser.numbers(&places)?[..] else { return Err("no place for the tip".into()) };
+        let share = 2.0 / distance(&[x, y], &[u, v]);
+        self.press([x + share * (u - x), y + share * (v - y)])?;
+        let read = self.browser.numbers("pneuflex.reading?.displacement ?? []")?;
+        expect(read.len() == 3 && distance(&read, &tip.displacement) < TOLERANCE, || {
+            format!("a click on the tip reads a displacement of {read:?} instead of {:?}", tip.displacement)
+        })?;
+        let text = self.text("#probe")?;
+        let row = text.lines().find_map(|line| line.strip_prefix("displacement")).unwrap_or_default();
+        let numbers: Vec<f64> =
+            row.replace('−', "-").split([',', '\t']).filter_map(|number| number.trim().parse().ok()).collect();
+        expect(
+            text.contains("tip") && numbers.len() == 3 && distance(&numbers, &tip.displacement) < TOLERANCE,
+            || format!("the page reads {text:?} at the tip instead of {:?}", tip.displacement),
+        )?;
+        self.picture("2-probe")?;
+        Ok(tip)
+    }
+
+    /// Drags the slider between two computed pressures: the body moves, the readings follow.
+    fn slider(&mut self, tip: &Tip) -> Result<(), String> {
+        let before = self.browser.numbers(&format!("pneuflex.positionOf({})", tip.node))?;
+        self.browser.evaluate("document.getElementById('pressure').scrollIntoView({block: 'center'})")?;
+        let [left, top, width, height] = self.area("#pressure")?;
+        let at = |share: f64| [left + 10.0 + share * (width - 20.0), top + height / 2.0];
+        let steps = (0..=12).map(|i| at(1.0 - 0.05 * f64::from(i))).collect::<Vec<_>>();
+        self.browser.drag(&steps)?;
+        let highest = self.browser.numbers("[Number(document.getElementById('pressure').max)]")?[0];
+        let pressure = self.browser.numbers("[pneuflex.pressure]")?[0];
+        expect((pressure / highest - 0.4).abs() < 0.05, || {
+            format!("the slider was dragged to {pressure} of {highest} kPa")
+        })?;
+        let after = self.browser.numbers(&format!("pneuflex.positionOf({})", tip.node))?;
+        let moved = distance(&before, &after);
+        let whole = distance(&tip.displacement, &[0.0; 3]);
+        expect(moved > 0.2 * whole && moved < whole, || format!("the tip moved by {moved} of {whole} mm"))?;
+        let read = self.browser.numbers("pneuflex.reading.position")?;
+        expect(distance(&read, &after) < 1e-9, || "the readings do not follow the slider".to_owned())?;
+        let computed = self.browser.evaluate("pneuflex.isComputed")?;
+        let origin = self.text("#origin")?;
+        let said = if computed == true { origin == "computed" } else { origin.starts_with("interpolated between ") };
+        expect(said, || format!("computed is {computed}, and the page says {origin:?}"))?;
+        self.picture("3-dragged")?;
+
+        // The last tick is the highest pressure, where the tip is back.
+        self.click("#ticks button:last-child")?;
+        let back = self.browser.numbers(&format!("pneuflex.positionOf({})", tip.node))?;
+        expect(self.text("#origin")? == "computed" && distance(&back, &before) < 1e-6, || {
+            "the tip does not come back".into()
+        })
+    }
+
+    fn legend(&mut self) -> Result<(), String> {
+        let first = self.text("#legend")?;
+        expect(first.contains("von Mises stress, MPa"), || format!("the legend is {first:?}"))?;
+        for (field, title) in [("displacement", "Displacement, mm"), ("contactPressure", "Contact pressure, kPa")] {
+            self.click(&format!("input[value={field}] + span"))?;
+            let legend = self.text("#legend")?;
+            let marks = self.browser.numbers("pneuflex.legend")?;
+            let even = marks.windows(2).all(|w| (w[1] - w[0] - marks[1]).abs() < 1e-9 * marks[1]);
+            expect(legend.contains(title) && even && marks[0] == 0.0, || {
+                format!("legend {legend:?}, marks {marks:?}")
+            })?;
+            if field == "displacement" {
+                let top = marks[marks.len() - 1];
+                let tip = distance(&self.tip()?.displacement, &[0.0; 3]);
+                expect(top >= tip, || format!("the range of displacements ends at {top} mm, below the tip's {tip}"))?;
+            }
+            self.picture(&format!("4-{field}"))?;
+        }
+        self.click("input[value=vonMises] + span")
+    }
+
+    fn section(&mut self) -> Result<(), String> {
+        self.click("[data-view=iso]")?;
+        self.click("#whole + span")?;
+        for axis in ["x", "z", "y"] {
+            self.click(&format!("input[name=section][value={axis}] + span"))?;
+            let triangles = self.browser.numbers("[pneuflex.section.triangles]")?[0];
+            expect(triangles > 20.0, || format!("a section across {axis} has {triangles} triangles"))?;
+        }
+        self.picture("5-section")?;
+        self.click("input[name=section][value=off] + span")?;
+        let none = self.browser.evaluate("pneuflex.section === null")?;
+        expect(none == true, || "the section stays when it is switched off".to_owned())
+    }
+
+    fn theme(&mut self) -> Result<(), String> {
+        let is_dark = "getComputedStyle(document.documentElement).colorScheme === 'dark'";
+        let expected = self.screen.scheme == "dark";
+        for expected in [expected, !expected, expected] {
+            let found = self.browser.evaluate(is_dark)?;
+            expect(found == expected, || format!("dark is {found} instead of {expected}"))?;
+            self.click("#theme")?;
+        }
+        // Once more than there and back.
+        self.click("#theme")
+    }
+
+    fn whole_page(&mut self) -> Result<(), String> {
+        self.browser.evaluate("scrollTo(0, 0)")?;
+        self.capture("6-page", true)
+    }
+
+    /// Clicks the middle of an element.
+    fn click(&mut self, selector: &str) -> Result<(), String> {
+        self.browser.evaluate(&format!("document.querySelector({selector:?}).scrollIntoView({{block: 'center'}})"))?;
+        let [left, top, width, height] = self.area(selector)?;
+        self.press([left + width / 2.0, top + height / 2.0])
+    }
+
+    /// A click, or on a phone a tap.
+    fn press(&mut self, place: [f64; 2]) -> Result<(), String> {
+        if self.screen.is_phone {
+            self.browser.tap(place)?
+        } else {
+            self.browser.drag(&[place])?
+        }
+        // Until it is drawn.
+        self.browser
+            .evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")
+            .map(drop)
+    }
+
+    fn area(&mut self, selector: &str) -> Result<[f64; 4], String> {
+        let expression = format!(
+            "(() => {{ const r = document.querySelector({selector:?}).getBoundingClientRect(); \
+             return [r.left, r.top, r.width, r.height]; }})()"
+        );
+        self.browser.numbers(&expression)?.try_into().map_err(|_| format!("{selector} has no area"))
+    }
+
+    fn text(&mut self, selector: &str) -> Result<String, String> {
+        let text = self.browser.evaluate(&format!("document.querySelector({selector:?}).innerText"))?;
+        text.as_str().map(|t| t.trim().to_owned()).ok_or_else(|| format!("{selector} has no text"))
+    }
+
+    fn picture(&mut self, stage: &str) -> Result<(), String> {
+        self.capture(stage, false)
+    }
+
+    fn capture(&mut self, stage: &str, whole: bool) -> Result<(), String> {
+        let shot =
+            self.browser.call("Page.captureScreenshot", &json!({"format": "png", "captureBeyondViewport": whole}))?;
+        let bytes = STANDARD.decode(shot["data"].as_str().unwrap_or_default()).map_err(|e| e.to_string())?;
+        let file = self.pictures.join(format!("{}-{stage}.png", self.screen.name));
+        fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))
+    }
+}

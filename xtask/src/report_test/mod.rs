@@ -1,0 +1,106 @@
+//! `cargo xtask report-test`: the report of a run in a real browser, with a real mouse.
+//!
+//! The program solves two chambers; Chromium opens the report from disk, at the size of a desk and of a phone, light and dark.
+//! Values read by clicks are compared with `summary.json`. Pictures of every stage are left in `target/report-test`.
+
+mod browser;
+mod checks;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use pneuflex_model::{Case, Problem};
+use serde_json::Value;
+
+use crate::program;
+use browser::Browser;
+
+/// Draws in software, which is there on every machine.
+const SOFTWARE: [&str; 3] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+
+/// A result folder that is looked at.
+struct Results {
+    folder: PathBuf,
+    summary: Value,
+    problem: Problem,
+}
+
+/// Runs the test on two chambers, or on the result folder that is named.
+pub fn run(arguments: &[String]) -> ExitCode {
+    let outcome = match arguments {
+        [] => test(None),
+        [folder] => test(Some(Path::new(folder))),
+        _ => Err("at most one result folder".to_owned()),
+    };
+    match outcome {
+        Ok(pictures) => {
+            println!("report-test: passed; pictures are in {}", pictures.display());
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("report-test: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn test(folder: Option<&Path>) -> Result<PathBuf, String> {
+    let chromium = browser::installed().ok_or(
+        "no Chromium is installed (Debian: apt-get install chromium), or set CHROMIUM to the path of its program",
+    )?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let target = program::target_folder(&root).join("report-test");
+    let _ = fs::remove_dir_all(&target);
+    fs::create_dir_all(&target).map_err(|e| format!("{}: {e}", target.display()))?;
+    let target = target.canonicalize().map_err(|e| e.to_string())?;
+    let program = program::build(&root)?;
+    let results = Results::of(match folder {
+        Some(folder) => view(&program, folder)?,
+        None => solve(&program, &root.join("fixtures/two_chamber_coarse.toml"), &target.join("two_chamber"))?,
+    })?;
+
+    let mut browser = Browser::start(&chromium, &target.join("profile"), &SOFTWARE)?;
+    for screen in &checks::SCREENS {
+        checks::look(&mut browser, screen, &results, &target).map_err(|e| format!("{}: {e}", screen.name))?;
+        println!("report-test: {} passed", screen.name);
+    }
+    drop(browser);
+    let mut browser = Browser::start(&chromium, &target.join("profile-flat"), &["--disable-gpu", "--disable-3d-apis"])?;
+    checks::without_graphics(&mut browser, &results).map_err(|e| format!("without WebGL: {e}"))?;
+    println!("report-test: without WebGL passed");
+    drop(browser);
+    for profile in ["profile", "profile-flat"] {
+        // Chromium's helpers may still be busy there; then the folder stays until the next test.
+        let _ = fs::remove_dir_all(target.join(profile));
+    }
+    Ok(target)
+}
+
+fn solve(program: &Path, case: &Path, folder: &Path) -> Result<PathBuf, String> {
+    let status = Command::new(program).arg("run").arg(case).arg("--out").arg(folder).arg("--quiet").status();
+    match status {
+        Ok(status) if status.success() => Ok(folder.to_owned()),
+        Ok(status) => Err(format!("pneuflex run {} ended with {status}", case.display())),
+        Err(error) => Err(format!("{} cannot be started: {error}", program.display())),
+    }
+}
+
+fn view(program: &Path, folder: &Path) -> Result<PathBuf, String> {
+    let status = Command::new(program).arg("view").arg(folder).status();
+    match status {
+        Ok(status) if status.success() => folder.canonicalize().map_err(|e| e.to_string()),
+        Ok(status) => Err(format!("pneuflex view {} ended with {status}", folder.display())),
+        Err(error) => Err(format!("{} cannot be started: {error}", program.display())),
+    }
+}
+
+impl Results {
+    fn of(folder: PathBuf) -> Result<Self, String> {
+        let read = |name: &str| fs::read_to_string(folder.join(name)).map_err(|e| format!("{name}: {e}"));
+        let summary = serde_json::from_str(&read("summary.json")?).map_err(|e| format!("summary.json: {e}"))?;
+        let case: Case = toml::from_str(&read("case.toml")?).map_err(|e| format!("case.toml: {e}"))?;
+        let problem = Problem::from_case(&case).map_err(|e| format!("case.toml: {e}"))?;
+        Ok(Self { folder, summary, problem })
+    }
+}
