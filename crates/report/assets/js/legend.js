@@ -24,7 +24,7 @@ export class Legend {
     const top = marks[marks.length - 1];
     const texts = tickTexts(marks);
     const labels = marks.map((x, i) => `<span style="left:${(100 * x) / top}%">${texts[i]}</span>`);
-    const beyond = largest > 1.0005 * top ? `up to ${short(largest)} ${unit} at single nodes` : "";
+    const beyond = largest > 1.0005 * top ? `up to ${short(largest)} ${unit} at nodes` : "";
     this.element.innerHTML = `<p class="name">${name}, <span class="unit">${unit}</span></p>
       <div class="bar" style="background:${gradient(field)}"></div>
       <div class="marks">${labels.join("")}</div><p class="beyond">${beyond}</p>`;
