@@ -43,6 +43,7 @@ pub enum Command {
     #[command(after_help = examples::CONVERGE)]
     Converge(ConvergeArguments),
     /// Write report.html, which shows a result folder in a browser
+    #[command(after_help = examples::VIEW)]
     View(ViewArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
     #[command(after_help = examples::ROD)]

@@ -31,6 +31,11 @@ Examples:
 
 The second mesh has 8 times the elements of the case's own, the third 27 times.";
 
+/// Of `pneuflex view`.
+pub const VIEW: &str = "\
+Examples:
+  pneuflex view out/actuator              out/actuator/report.html, to be opened in a browser";
+
 /// Of `pneuflex rod`.
 pub const ROD: &str = "\
 Examples:
