@@ -19,7 +19,7 @@ pub fn notices(summary: &Summary) -> Markup {
                 @if let Some(failure) = &summary.failure { p { (failure) } }
                 @match reached {
                     Some(pressure) => p { "Everything below shows what was reached, up to " strong { (number(pressure)) " kPa" } "." },
-                    None => p { "No pressure was reached: there are no results to show." },
+                    None => p { "No pressure was reached: there is nothing to show but the actuator at rest." },
                 }
             }
         }

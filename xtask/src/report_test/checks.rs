@@ -215,6 +215,7 @@ impl Visit<'_> {
             let triangles = self.browser.numbers("[pneuflex.section.triangles]")?[0];
             expect(triangles > 20.0, || format!("a section across {axis} has {triangles} triangles"))?;
         }
+        self.browser.evaluate("document.getElementById('stage').scrollIntoView()")?;
         self.picture("5-section")?;
         self.click("input[name=section][value=off] + span")?;
         let none = self.browser.evaluate("pneuflex.section === null")?;
