@@ -1,0 +1,311 @@
+//! The user guide: its commands run, its outputs are those of the program, its links lead somewhere, and its reference of the case
+//! file is complete.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use support::{Ended, Scratch, ended};
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn guide() -> PathBuf {
+    repository().join("docs/guide/src")
+}
+
+fn chapter(name: &str) -> String {
+    fs::read_to_string(guide().join(name)).unwrap()
+}
+
+/// A fenced block: the words after its fence, its first line's number in the chapter, its text.
+struct Block {
+    info: Vec<String>,
+    line: usize,
+    text: String,
+}
+
+impl Block {
+    fn is(&self, language: &str, word: &str) -> bool {
+        self.info.first().is_some_and(|l| l == language) && self.info[1..].iter().any(|w| w == word)
+    }
+
+    fn value(&self, key: &str) -> Option<&str> {
+        self.info.iter().find_map(|word| word.strip_prefix(key)?.strip_prefix('='))
+    }
+}
+
+fn blocks(chapter: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut is_open = false;
+    for (number, line) in chapter.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(info) if !is_open => {
+                let info = info.split_whitespace().map(str::to_owned).collect();
+                blocks.push(Block { info, line: number + 2, text: String::new() });
+                is_open = true;
+            }
+            Some(_) => is_open = false,
+            None if is_open => blocks.last_mut().unwrap().text += &format!("{line}\n"),
+            None => {}
+        }
+    }
+    assert!(!is_open, "a block is not closed");
+    blocks
+}
+
+/// Runs a block with the shell in the scratch folder, with the program on the path.
+fn shell(scratch: &Scratch, script: &str) -> Ended {
+    let program = Path::new(env!("CARGO_BIN_EXE_pneuflex")).parent().unwrap();
+    let mut path = vec![program.to_owned()];
+    path.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
+    let mut command = Command::new("sh");
+    command.args(["-e", "-c", script]).current_dir(scratch.path(".")).env("PATH", std::env::join_paths(path).unwrap());
+    ended(command.output().unwrap())
+}
+
+/// Whether a line stands for another one; `…` is any text.
+fn stands_for(line: &str, real: &str) -> bool {
+    let mut pieces = line.split('…');
+    let Some(mut rest) = real.trim().strip_prefix(pieces.next().unwrap_or("")) else { return false };
+    for piece in pieces {
+        let Some(at) = rest.find(piece) else { return false };
+        rest = &rest[at + piece.len()..];
+    }
+    rest.is_empty() || line.ends_with('…')
+}
+
+/// Runs everything in a chapter.
+#[track_caller]
+fn works(name: &str) {
+    let scratch = Scratch::new(&format!("guide-{name}"));
+    let curves = scratch.path("fixtures/curves");
+    fs::create_dir_all(&curves).unwrap();
+    for entry in fs::read_dir(repository().join("fixtures/curves")).unwrap() {
+        let entry = entry.unwrap();
+        fs::copy(entry.path(), curves.join(entry.file_name())).unwrap();
+    }
+    let mut last: Option<Ended> = None;
+    for block in blocks(&chapter(name)) {
+        let place = format!("{name}:{}", block.line);
+        if let Some(file) = block.value("file") {
+            fs::write(scratch.path(file), &block.text).unwrap();
+        } else if block.is("sh", "by-hand") {
+            // What a test cannot run may only be the installation.
+            assert!(block.text.lines().all(|line| line.starts_with("cargo install ")), "{place}");
+        } else if block.info[0] == "sh" {
+            let code: i32 = block.value("exit").map_or(0, |code| code.parse().unwrap());
+            let ended = shell(&scratch, &block.text);
+            assert_eq!(ended.code, code, "{place}: {}{ended:?}", block.text);
+            last = Some(ended);
+        } else {
+            assert!(block.is("text", "output"), "{place}: what is a block of {:?}?", block.info);
+            let ended = last.as_ref().unwrap();
+            let mut real = ended.out.lines().chain(ended.err.lines());
+            for line in block.text.lines().map(str::trim) {
+                assert!(
+                    real.any(|r| stands_for(line, r)),
+                    "{place}: `{line}` (in this order) is not in {}{}",
+                    ended.out,
+                    ended.err
+                );
+            }
+        }
+    }
+    assert!(last.is_some(), "{name} has no command");
+}
+
+#[test]
+fn first_run() {
+    works("first-run.md");
+}
+
+#[test]
+fn results() {
+    works("results.md");
+}
+
+#[test]
+fn geometry() {
+    works("geometry.md");
+}
+
+#[test]
+fn material() {
+    works("material.md");
+}
+
+#[test]
+fn accuracy() {
+    works("accuracy.md");
+}
+
+#[test]
+fn stops() {
+    works("stops.md");
+}
+
+#[test]
+fn resume() {
+    works("resume.md");
+}
+
+#[test]
+fn the_summary_lists_every_chapter_and_links_lead_somewhere() {
+    let summary = chapter("SUMMARY.md");
+    for entry in fs::read_dir(guide()).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        if !name.ends_with(".md") {
+            continue;
+        }
+        assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name} is not in SUMMARY.md");
+        let text = chapter(&name);
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            assert!(link.starts_with("https://") || guide().join(link).is_file(), "{name}: {link}");
+        }
+    }
+    let book = fs::read_to_string(guide().join("../book.toml")).unwrap();
+    assert!(book.parse::<toml::Table>().unwrap()["book"]["src"].as_str() == Some("src"));
+}
+
+/// A line of the reference: key, default, allowed values.
+struct Row {
+    key: String,
+    default: String,
+    allowed: String,
+}
+
+impl Row {
+    /// The words between backquotes where they are all that is allowed.
+    fn choices(&self) -> Vec<String> {
+        let is_list =
+            self.allowed.split(", ").all(|word| word.len() > 2 && word.starts_with('`') && word.ends_with('`'));
+        let words = self.allowed.split(", ").map(|word| word.trim_matches('`').to_owned());
+        if is_list { words.collect() } else { Vec::new() }
+    }
+
+    /// `--set` with a value.
+    fn set(&self, value: &str) -> String {
+        match self.key.strip_prefix("probe.") {
+            Some("name") => format!("probe=[{{ name = {value}, at = [0, 0, 0] }}]"),
+            Some(other) => format!("probe=[{{ name = \"a\", {other} = {value} }}]"),
+            None => format!("{}={value}", self.key),
+        }
+    }
+}
+
+/// The reference's tables.
+fn rows() -> Vec<Row> {
+    let text = chapter("case-file.md");
+    let lines = text.lines().filter_map(|line| line.strip_prefix("| `"));
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let [key, _, default, allowed, _, _] = cells[..] else { panic!("{line}") };
+            Row { key: key.trim_end_matches('`').into(), default: default.into(), allowed: allowed.into() }
+        })
+        .collect()
+}
+
+fn with_least_case(name: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    let least = blocks(&chapter("case-file.md")).into_iter().find(|b| b.value("file") == Some("least.toml")).unwrap();
+    fs::write(scratch.path("least.toml"), least.text).unwrap();
+    scratch
+}
+
+/// Keys of a table that the program knows, by what it says about one that it does not know.
+fn known_keys(scratch: &Scratch, set: &str) -> Vec<String> {
+    let ended = scratch.run(&["check", "least.toml", "--set", set]);
+    let (_, known) = ended.err.split_once("known keys here: ").unwrap_or_else(|| panic!("{set}: {ended:?}"));
+    known.lines().next().unwrap().split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn the_reference_has_exactly_the_keys_of_the_program() {
+    let scratch = with_least_case("guide-keys");
+    let mut known = Vec::new();
+    for table in known_keys(&scratch, "qqq=1") {
+        let set = if table == "probe" { "probe=[{ qqq = 1 }]".to_owned() } else { format!("{table}.qqq=1") };
+        if table == "title" {
+            known.push(table);
+            continue;
+        }
+        for key in known_keys(&scratch, &set) {
+            let path = format!("{table}.{key}");
+            if path == "actuator.channel" {
+                known.extend(known_keys(&scratch, "actuator.channel.qqq=1").iter().map(|key| format!("{path}.{key}")));
+            } else {
+                known.push(path);
+            }
+        }
+    }
+    let mut described: Vec<String> = rows().into_iter().map(|row| row.key).collect();
+    known.sort();
+    described.sort();
+    assert_eq!(described, known);
+}
+
+#[test]
+fn the_reference_has_the_program_s_defaults() {
+    let scratch = with_least_case("guide-defaults");
+    // Required keys are those without which the case is refused.
+    let least: toml::Table = fs::read_to_string(scratch.path("least.toml")).unwrap().parse().unwrap();
+    let ended =
+        scratch.run(&["run", "least.toml", "--quiet", "--no-report", "--set", "mesh.resolution=draft", "--out", "out"]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let resolved: toml::Table = fs::read_to_string(scratch.path("out/case.toml")).unwrap().parse().unwrap();
+    let find = |table: &toml::Table, key: &str| {
+        let mut value = toml::Value::Table(table.clone());
+        for part in key.split('.') {
+            value = value.get(part)?.clone();
+        }
+        Some(value)
+    };
+    let mut compared = 0;
+    for row in rows().iter().filter(|row| !row.key.starts_with("probe.")) {
+        assert_eq!(row.default == "required", find(&least, &row.key).is_some(), "{}", row.key);
+        let Some(default) = row.default.strip_prefix('`').and_then(|d| d.strip_suffix('`')) else { continue };
+        if row.key == "mesh.resolution" {
+            continue;
+        }
+        let value = find(&resolved, &row.key).unwrap_or_else(|| panic!("{}", row.key));
+        let is_same = match value.as_float() {
+            Some(number) => default.parse() == Ok(number),
+            None => value.to_string() == default || value.as_str() == Some(default.trim_matches('"')),
+        };
+        assert!(is_same, "{}: {value} is not {default}", row.key);
+        compared += 1;
+    }
+    assert!(compared > 15, "{compared}");
+}
+
+#[test]
+fn the_reference_has_the_choices_of_the_program_and_every_key_is_checked() {
+    let scratch = with_least_case("guide-choices");
+    let check = |set: &str| scratch.run(&["check", "least.toml", "--set", "mesh.size=4", "--set", set]);
+    for row in rows() {
+        let bad = check(&row.set("nan"));
+        let name = row.key.rsplit('.').next().unwrap();
+        assert!(bad.code == 2 && bad.err.contains(name), "{}: {bad:?}", row.key);
+        let choices = row.choices();
+        for choice in &choices {
+            let good = check(&row.set(choice));
+            assert_eq!(good.code, 0, "{} = {choice}: {good:?}", row.key);
+        }
+        if choices.len() > 1 && choices[0] != "true" {
+            let other = check(&row.set("qqq")).err;
+            let (_, allowed) = other.split_once("one of ").unwrap_or_else(|| panic!("{other}"));
+            let mut allowed: Vec<&str> = allowed.lines().next().unwrap().split(", ").collect();
+            let mut choices: Vec<&str> = choices.iter().map(String::as_str).collect();
+            allowed.sort_unstable();
+            choices.sort_unstable();
+            assert_eq!(choices, allowed, "{}", row.key);
+        }
+    }
+}
