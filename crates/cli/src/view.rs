@@ -13,9 +13,14 @@ use crate::args::ViewArguments;
 use crate::case_file::CaseFile;
 use crate::error::{CliError, InputError, say};
 use crate::folder::OutputFolder;
+use crate::memory::Estimate;
 
 /// Name of the report in a result folder.
 pub const REPORT: &str = "report.html";
+
+/// An estimate is no further away from a number of nodes than this factor, and a little for the smallest meshes.
+const LARGEST_ERROR: f64 = 2.0;
+const FEW_NODES: f64 = 1e4;
 
 /// Writes the report of a result folder and says where it is.
 ///
@@ -35,6 +40,13 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, CliError> {
     let summary = read_summary(folder)?;
     let case_path = folder.join("case.toml");
     let file = CaseFile::load(&case_path, &[])?;
+    // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.
+    let (expected, found) = (Estimate::of(&file.case).unknowns / 3.0, summary.mesh.nodes as f64);
+    let fits = expected <= LARGEST_ERROR * found + FEW_NODES;
+    if !fits {
+        let why = format!("its mesh has about {expected:.3e} nodes, that of summary.json has {found}");
+        return Err(damaged(&case_path, why).into());
+    }
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
     let states = read_states(folder, &file.case, &problem, &summary)?;
     let report = Report { case: &file.case, problem: &problem, summary: &summary, states: states.as_deref() };
@@ -72,7 +84,8 @@ fn read_states(
         let path = |name: &str| folder.join(format!("fields/{name}_{number:02}.vtu"));
         let body_path = path("step");
         let body = read_grid(&body_path)?;
-        if (body.time - pressure_kpa).abs() > 1e-9 {
+        let is_same = (body.time - pressure_kpa).abs() <= 1e-9;
+        if !is_same {
             return Err(damaged(&body_path, format!("it is of {} kPa instead of {pressure_kpa}", body.time)));
         }
         let walls = has_walls.then(|| read_grid(&path("contact"))).transpose()?;

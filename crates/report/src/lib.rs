@@ -63,6 +63,16 @@ pub enum ReportError {
     /// A field that is not in its file.
     #[error("there is no field `{0}`")]
     MissingField(String),
+    /// A field that has not as many numbers as a field of its name has.
+    #[error("the field `{name}` holds {found} numbers instead of {expected}")]
+    OtherKind {
+        /// Name of the field.
+        name: String,
+        /// Numbers that a field of this name has.
+        expected: usize,
+        /// Numbers that it has.
+        found: usize,
+    },
     /// A number that cannot be shown.
     #[error("{0} holds a number that is not finite")]
     NotFinite(String),
