@@ -140,11 +140,23 @@ pub struct Failure {
     pub attempted_kpa: f64,
     /// Why the last attempt failed.
     pub cause: Cause,
+    /// How firm the last equilibrium is.
+    pub stability: Stability,
+}
+
+/// How firm an equilibrium is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stability {
+    /// Largest displacement per pressure there, relative to the one at the beginning of the path. It grows without limit
+    /// towards a limit point, beyond which there is no equilibrium at a higher pressure nearby.
+    pub softening: f64,
+    /// Negative pivots of the tangent there: the number of motions that would release energy.
+    pub negative_pivots: usize,
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { reached_kpa, attempted_kpa, cause } = self;
+        let Self { reached_kpa, attempted_kpa, cause, .. } = self;
         match cause {
             Cause::Interrupted => write!(f, "interrupted at {reached_kpa:.4} kPa"),
             _ => write!(

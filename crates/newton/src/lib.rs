@@ -15,6 +15,6 @@ pub mod system;
 pub mod warp;
 
 pub use checkpoint::Checkpoint;
-pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Timing};
+pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
 pub use path::{Path, ResumeError, follow_path};
 pub use system::{SetupError, System};

@@ -8,8 +8,9 @@ use pneuflex_factor::Parallelism;
 use pneuflex_model::{MPA_PER_KPA, Problem, Solver};
 
 use crate::checkpoint::{Approach, Checkpoint, Misfit};
-use crate::history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Timing};
+use crate::history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
 use crate::system::{AssembleError, SetupError, System};
+use crate::warp::Extent;
 
 /// A correction this much larger than the body is no use.
 const RUNAWAY: f64 = 1e3;
@@ -19,7 +20,22 @@ const DEEP: f64 = 0.2;
 
 /// By how much a guess is shortened at a time, and at the most.
 const SHORTEN: f64 = 0.7;
-const SHORTEST: f64 = 0.2;
+const SHORTEST: f64 = 0.03;
+
+/// Guesses are shortened to this stretching and rotation (radians) at any point: Newton's method hardly returns from further away.
+const GUESS: Extent = Extent { stretch: 0.2, angle: 0.7 };
+
+/// A correction with more stretching or rotation than this comes from a tangent that is nearly singular, and leads nowhere.
+const HOPELESS: Extent = Extent { stretch: 0.7, angle: 1.5 };
+
+/// Corrections smaller than this are not hopeless, mm.
+const HARMLESS: f64 = 0.1;
+
+/// From this iteration on a correction that is not clearly smaller than the one so many tangents before is halved: contact points that
+/// open and close in turn let Newton's method run in circles.
+const CIRCLING_FROM: usize = 8;
+const CIRCLE: usize = 3;
+const NOT_SMALLER: f64 = 0.7;
 
 /// A load step that is not a requested one is good enough when no node moves further than this, mm.
 const LOOSE: f64 = 0.1;
@@ -68,6 +84,9 @@ pub struct Path<'a> {
     iterations: usize,
     /// The way to the next requested pressure, if it has begun.
     approach: Option<Approach>,
+    stability: Stability,
+    /// Largest displacement per pressure at the beginning, mm/kPa.
+    first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
     stop: Option<&'a AtomicBool>,
@@ -144,6 +163,8 @@ impl<'a> Path<'a> {
             step: 0,
             iterations: 0,
             approach: None,
+            stability: Stability::default(),
+            first_rate: None,
             spent: Timing::default(),
             stop: None,
         })
@@ -163,6 +184,7 @@ impl<'a> Path<'a> {
         self.state = State { pressure_kpa, displacement, multipliers, contact_points };
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
+        self.first_rate = checkpoint.first_rate;
         self.spent = checkpoint.timing;
         Ok(())
     }
@@ -223,7 +245,8 @@ impl<'a> Path<'a> {
             let is_last = pressure_kpa - start <= 1.01 * approach.step_kpa;
             let wanted = if is_last { pressure_kpa } else { start + approach.step_kpa };
             self.step += 1;
-            match self.load_step(wanted, pressure_kpa) {
+            let mut attempted = wanted;
+            match self.load_step(&mut attempted, pressure_kpa) {
                 Ok(converged) => {
                     approach.load_steps += 1;
                     if converged.iterations <= 8 {
@@ -235,12 +258,17 @@ impl<'a> Path<'a> {
                 }
                 Err(cause) => {
                     if cause != Cause::Interrupted {
-                        (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: wanted, cause: &cause });
+                        (self.observer)(Event::StepRejected {
+                            step: self.step,
+                            pressure_kpa: attempted,
+                            cause: &cause,
+                        });
                         self.has_factor = false;
-                        approach.step_kpa = 0.5 * (wanted - start);
+                        approach.step_kpa = 0.5 * (attempted - start);
                     }
                     if cause == Cause::Interrupted || approach.step_kpa < self.settings.min_step_kpa {
-                        return Err(Failure { reached_kpa: start, attempted_kpa: wanted, cause });
+                        let stability = self.stability;
+                        return Err(Failure { reached_kpa: start, attempted_kpa: attempted, cause, stability });
                     }
                 }
             }
@@ -269,6 +297,7 @@ impl<'a> Path<'a> {
             iterations: self.iterations,
             timing: self.timing(),
             approach,
+            first_rate: self.first_rate,
             linearisation: self.system.linearisation().filter(|_| self.has_factor).cloned(),
         }
     }
@@ -304,9 +333,10 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// One load step towards `wanted` (kPa): a guess along the tangent, cut short where walls would be driven deep into
+    /// One load step towards `aim` (kPa), which becomes the pressure that is tried: a guess along the tangent, cut short where walls would be driven deep into
     /// each other, and Newton's method from there, to the end only at the pressure asked for.
-    fn load_step(&mut self, wanted: f64, requested: f64) -> Result<Converged, Cause> {
+    fn load_step(&mut self, aim: &mut f64, requested: f64) -> Result<Converged, Cause> {
+        let wanted = *aim;
         let start = self.state.pressure_kpa;
         let mut u = self.state.displacement.clone();
         let mut iterations = 0;
@@ -314,7 +344,7 @@ impl<'a> Path<'a> {
         if !self.has_factor {
             self.system.carry_pressures(&u);
             self.system.assemble(&u, start * MPA_PER_KPA, Request::Tangent)?;
-            self.system.factorize()?;
+            self.stability.negative_pivots = self.system.factorize()?.negative;
             self.iterations += 1;
             iterations = 1;
         }
@@ -323,13 +353,18 @@ impl<'a> Path<'a> {
         self.system.assemble(&u, wanted * MPA_PER_KPA, Request::Residual)?;
         let correction = self.system.solve(None)?;
         self.has_factor = false;
+        let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let rate = largest / (wanted - start);
+        self.stability.softening = rate / *self.first_rate.get_or_insert(rate);
         let allowed = self.system.deepest_penetration(&u).max(DEEP);
-        let mut share = 1.0;
+        let extent = self.system.extent(&u, &correction);
+        let mut share = (GUESS.stretch / extent.stretch).min(GUESS.angle / extent.angle).min(1.0);
+        let shortest = SHORTEST * share;
         loop {
             let guess = scaled(&correction, share);
             let mut trial = u.clone();
             self.system.warp(&mut trial, &guess)?;
-            if share * SHORTEN < SHORTEST || self.system.deepest_penetration(&trial) <= allowed {
+            if share * SHORTEN < shortest || self.system.deepest_penetration(&trial) <= allowed {
                 self.system.carry(&u, &guess);
                 u = trial;
                 break;
@@ -337,6 +372,7 @@ impl<'a> Path<'a> {
             share *= SHORTEN;
         }
         let pressure_kpa = if share < 1.0 { start + share * (wanted - start) } else { wanted };
+        *aim = pressure_kpa;
         let target = if pressure_kpa == requested { Target::Requested } else { Target::OnTheWay };
         (self.observer)(Event::StepStarted { step: self.step, pressure_kpa });
         let mut converged = self.newton(pressure_kpa, u, None, target)?;
@@ -370,6 +406,8 @@ impl<'a> Path<'a> {
         let mut last = Correction::default();
         let mut negative_pivots = 0;
         let (mut iteration, mut stale) = (0, 0);
+        let mut norms: Vec<f64> = Vec::new();
+        let (had_imposed, mut is_cautious) = (imposed.is_some(), false);
         while iteration < self.settings.max_iterations {
             self.check_stop()?;
             // An old factor serves as long as it contracts well; a new one is an iteration.
@@ -381,6 +419,9 @@ impl<'a> Path<'a> {
                 stale = 0;
                 iteration += 1;
                 self.iterations += 1;
+                if is_cautious {
+                    self.system.carry_pressures(&self.state.displacement);
+                }
                 self.system.assemble(&u, pressure, Request::Tangent)?;
                 negative_pivots = self.system.factorize()?.negative;
             }
@@ -413,6 +454,23 @@ impl<'a> Path<'a> {
             if !now.norm.is_finite() || largest > RUNAWAY * self.size {
                 return Err(Cause::Diverged { correction: now.norm });
             }
+            let mut correction = correction;
+            if !is_stale {
+                if largest > HARMLESS && self.system.extent(&u, &correction).exceeds(&HOPELESS) {
+                    // Once with the stresses of the last equilibrium in the tangent: far from the path, those that the linear system
+                    // predicted can be so large that nothing of the tangent is left.
+                    if is_cautious || had_imposed {
+                        return Err(Cause::Diverged { correction: now.norm });
+                    }
+                    is_cautious = true;
+                    continue;
+                }
+                norms.push(norm);
+                let before = norms.len().checked_sub(1 + CIRCLE).map(|index| norms[index]);
+                if iteration >= CIRCLING_FROM && before.is_some_and(|before| norm > NOT_SMALLER * before) {
+                    correction = scaled(&correction, 0.5);
+                }
+            }
             if iteration + 6 > self.settings.max_iterations {
                 (least, most) = (least.min(touching), most.max(touching));
             }
@@ -431,7 +489,12 @@ impl<'a> Path<'a> {
                 self.has_factor = !is_stale;
                 return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
             }
+            let was_cautious = std::mem::take(&mut is_cautious);
             let is_rounding = residual <= rounding && last.norm < rounded_tolerance;
+            if was_cautious {
+                // The inertia of such a tangent says nothing about the equilibrium.
+                continue;
+            }
             if last.norm < self.settings.tolerance || is_rounding {
                 self.system.assemble(&u, pressure, Request::Residual)?;
                 let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
@@ -532,8 +595,8 @@ pub fn follow_path(
         Ok(path) => path,
         Err(error) => {
             let cause = Cause::SingularTangent(error.to_string());
-            let failure =
-                Failure { reached_kpa: 0.0, attempted_kpa: pressures_kpa.first().copied().unwrap_or(0.0), cause };
+            let attempted_kpa = pressures_kpa.first().copied().unwrap_or(0.0);
+            let failure = Failure { reached_kpa: 0.0, attempted_kpa, cause, stability: Stability::default() };
             return Err((failure, PathReport { iterations: 0, timing: Timing::default() }));
         }
     };

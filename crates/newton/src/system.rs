@@ -12,7 +12,7 @@ use pneuflex_model::Problem;
 
 use crate::checkpoint::{Carried, Linearisation};
 use crate::history::Timing;
-use crate::warp::Warp;
+use crate::warp::{Extent, Warp};
 
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest.
 const NEAR_SHARE: f64 = 0.15;
@@ -292,6 +292,14 @@ impl System {
             }
         }
         self.timing.solve_s += start.elapsed().as_secs_f64();
+    }
+
+    /// How much a correction deforms the body at a displacement.
+    pub fn extent(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
+        let start = Instant::now();
+        let extent = self.warp.extent(displacement, correction);
+        self.timing.solve_s += start.elapsed().as_secs_f64();
+        extent
     }
 
     /// Applies a correction to the displacements, bent into rotations.

@@ -14,6 +14,7 @@ use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, re
 use pneuflex_assembly::{Assembler, LocalBlock, LocalContribution, LocalError, Request, Totals};
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::{ElementKind, Mesh, quadrature};
+use rayon::prelude::*;
 
 /// The Laplacians of a mesh, factorised.
 pub struct Warp {
@@ -93,6 +94,63 @@ impl Warp {
             }
         }
         Ok(())
+    }
+}
+
+/// How much a correction deforms: largest values over the integration points, of D = δF F⁻¹ = S + W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// ‖S‖, the stretching.
+    pub stretch: f64,
+    /// Angle of exp W, radians.
+    pub angle: f64,
+}
+
+impl Extent {
+    /// Whether either is larger than a bound's.
+    pub fn exceeds(&self, bound: &Self) -> bool {
+        self.stretch > bound.stretch || self.angle > bound.angle
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self { stretch: self.stretch.max(other.stretch), angle: self.angle.max(other.angle) }
+    }
+}
+
+impl Warp {
+    /// Extent of a correction at a displacement.
+    pub fn extent(&self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
+        let of_element = |element| match self.mesh.kind {
+            ElementKind::Hex8 => self.extent_in::<8>(element, displacement, correction),
+            ElementKind::Hex20 => self.extent_in::<20>(element, displacement, correction),
+            ElementKind::Hex27 => self.extent_in::<27>(element, displacement, correction),
+            ElementKind::Tet10 => self.extent_in::<10>(element, displacement, correction),
+        };
+        (0..self.mesh.num_elements())
+            .into_par_iter()
+            .with_min_len(64)
+            .map(of_element)
+            .reduce(Extent::default, Extent::max)
+    }
+
+    fn extent_in<const N: usize>(&self, element: usize, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
+        let nodes = self.mesh.element(element);
+        let [x, u, delta]: [[[f64; 3]; N]; 3] = [&self.mesh.nodes[..], displacement, correction]
+            .map(|field| std::array::from_fn(|a| field[nodes[a] as usize]));
+        let mut extent = Extent::default();
+        for point in &self.points {
+            let (gradients, _) = reference_gradients(&x, point);
+            let mut f = displacement_gradient(&u, &gradients);
+            for i in 0..3 {
+                f[i][i] += 1.0;
+            }
+            let Some(rate) = rate(&f, &displacement_gradient(&delta, &gradients)) else { continue };
+            let stretch: f64 =
+                (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).map(|(i, j)| rate.stretching(i, j).powi(2)).sum();
+            let angle: f64 = rate.axis.iter().map(|a| a * a).sum();
+            extent = extent.max(Extent { stretch: stretch.sqrt(), angle: angle.sqrt() });
+        }
+        extent
     }
 }
 
@@ -202,8 +260,22 @@ impl LocalContribution for Rotation<'_> {
     }
 }
 
-/// F* − F − δF = \[(R − 1 − W) + (R − 1) S\] F with D = δF F⁻¹ = S + W and R = exp W; `None` if F is singular.
-fn second_order_part(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+/// D = δF F⁻¹ = S + W.
+struct Rate {
+    d: [[f64; 3]; 3],
+    /// Axis of W times its angle.
+    axis: [f64; 3],
+}
+
+impl Rate {
+    /// Component of S.
+    fn stretching(&self, i: usize, j: usize) -> f64 {
+        0.5 * (self.d[i][j] + self.d[j][i])
+    }
+}
+
+/// D of a change of F; `None` if F is singular.
+fn rate(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<Rate> {
     let det = pneuflex_mesh::mesh::determinant(f);
     if !(det.abs() > 1e-12 && det.is_finite()) {
         return None;
@@ -213,6 +285,13 @@ fn second_order_part(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<[[f64
     let d: [[f64; 3]; 3] =
         std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| delta_f[i][k] * cof[j][k]).sum::<f64>() / det));
     let axis = [0.5 * (d[2][1] - d[1][2]), 0.5 * (d[0][2] - d[2][0]), 0.5 * (d[1][0] - d[0][1])];
+    Some(Rate { d, axis })
+}
+
+/// F* − F − δF = \[(R − 1 − W) + (R − 1) S\] F with D = δF F⁻¹ = S + W and R = exp W; `None` if F is singular.
+fn second_order_part(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    let rate = rate(f, delta_f)?;
+    let axis = rate.axis;
     let angle_squared = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
     let angle = angle_squared.sqrt();
     // sin θ/θ − 1 and (1 − cos θ)/θ², by series where they would cancel.
@@ -232,7 +311,7 @@ fn second_order_part(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<[[f64
     let mut sum = beyond;
     for i in 0..3 {
         for j in 0..3 {
-            sum[i][j] += (0..3).map(|k| (beyond[i][k] + w[i][k]) * 0.5 * (d[k][j] + d[j][k])).sum::<f64>();
+            sum[i][j] += (0..3).map(|k| (beyond[i][k] + w[i][k]) * rate.stretching(k, j)).sum::<f64>();
         }
     }
     Some(std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| sum[i][k] * f[k][j]).sum())))
@@ -261,6 +340,22 @@ mod tests {
                 assert!((x[k] + u[k] - turned[k]).abs() < 1e-12, "{x:?} {u:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_extent_tells_stretching_from_rotation() {
+        let mesh = Arc::new(Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [3, 2, 2]).mesh_all(ElementKind::Hex20));
+        let mut held = vec![false; 3 * mesh.num_nodes()];
+        held[..3].fill(true);
+        let warp = Warp::new(&mesh, &held, Parallelism::Serial).unwrap();
+        // At a state stretched to twice its length along x, a rotation about z and a further stretch along y.
+        let u: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [x[0], 0.0, 0.0]).collect();
+        let turn: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [-0.3 * x[1], 0.6 * x[0], 0.0]).collect();
+        let turned = warp.extent(&u, &turn);
+        assert!((turned.angle - 0.3).abs() < 1e-12 && turned.stretch < 1e-12, "{turned:?}");
+        let widen: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [0.0, 0.2 * x[1], 0.0]).collect();
+        let widened = warp.extent(&u, &widen);
+        assert!((widened.stretch - 0.2).abs() < 1e-12 && widened.angle < 1e-12, "{widened:?}");
     }
 
     #[test]
