@@ -94,6 +94,20 @@ pub struct GeometryError {
     pub allowed: String,
 }
 
+/// What is wrong with a length that must lie between two others.
+fn out_of_range(key: &'static str, value: f64, low: f64, high: f64, strict_low: bool) -> Option<GeometryError> {
+    let is_above = if strict_low { value > low } else { value >= low };
+    if value.is_finite() && is_above && value < high {
+        return None;
+    }
+    let relation = if strict_low { "greater than" } else { "at least" };
+    let mut allowed = format!("must be {relation} {low}");
+    if high.is_finite() {
+        allowed += &format!(" and less than {high}");
+    }
+    Some(GeometryError { key, value, allowed: allowed + " mm" })
+}
+
 /// A plane in which the shape of the body changes.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
@@ -170,49 +184,57 @@ impl Actuator {
         0.5 * (self.chamber_length - self.cavity_length)
     }
 
+    /// Thickness of the thinnest wall around a cavity, mm.
+    pub fn thinnest_wall(&self) -> f64 {
+        self.end_wall().min(self.side_wall).min(self.top_wall)
+    }
+
     /// Checks that the lengths make a body.
     ///
     /// # Errors
-    /// The first key whose value is not finite or lies outside what the other lengths allow.
+    /// The first key whose value is not finite or lies outside what the other lengths allow; [`Self::problems`] has all.
     pub fn validate(&self) -> Result<(), GeometryError> {
-        let check = |key, value: f64, low: f64, high: f64, strict_low: bool| {
-            let above = if strict_low { value > low } else { value >= low };
-            if value.is_finite() && above && value < high {
-                return Ok(());
-            }
-            let relation = if strict_low { "greater than" } else { "at least" };
-            let mut allowed = format!("must be {relation} {low}");
-            if high.is_finite() {
-                allowed += &format!(" and less than {high}");
-            }
-            Err(GeometryError { key, value, allowed: allowed + " mm" })
-        };
+        self.problems().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every key whose value is not finite or lies outside what the other lengths allow. A length that is wrong itself allows
+    /// the others anything.
+    pub fn problems(&self) -> Vec<GeometryError> {
         const NO_LIMIT: f64 = f64::INFINITY;
+        let mut found = Vec::new();
         if !(1..=10_000).contains(&self.chambers) {
-            return Err(GeometryError {
-                key: "chambers",
-                value: self.chambers as f64,
-                allowed: "must be from 1 to 10000".into(),
-            });
+            let allowed = "must be from 1 to 10000".into();
+            found.push(GeometryError { key: "chambers", value: self.chambers as f64, allowed });
         }
-        check("chamber_length", self.chamber_length, 0.0, NO_LIMIT, true)?;
-        check("cavity_length", self.cavity_length, 0.0, self.chamber_length, true)?;
-        check("gap", self.gap, 0.0, NO_LIMIT, true)?;
-        check("flange", self.flange, 0.0, NO_LIMIT, false)?;
-        check("width", self.width, 0.0, NO_LIMIT, true)?;
-        check("height", self.height, 0.0, NO_LIMIT, true)?;
-        check("base", self.base, 0.0, self.height, true)?;
-        check("side_wall", self.side_wall, 0.0, 0.5 * self.width, true)?;
-        check("top_wall", self.top_wall, 0.0, self.height - self.base, true)?;
+        // The value, if it is positive and below a limit.
+        let mut length = |key, value, limit| {
+            let error = out_of_range(key, value, 0.0, limit, true);
+            let is_right = error.is_none();
+            found.extend(error);
+            if is_right { value } else { f64::NAN }
+        };
+        // What is unknown limits nothing.
+        let limit = |value: f64| if value.is_nan() { NO_LIMIT } else { value };
+        let chamber_length = length("chamber_length", self.chamber_length, NO_LIMIT);
+        length("cavity_length", self.cavity_length, limit(chamber_length));
+        length("gap", self.gap, NO_LIMIT);
+        let width = length("width", self.width, NO_LIMIT);
+        let height = length("height", self.height, NO_LIMIT);
+        let base = length("base", self.base, limit(height));
+        let side_wall = length("side_wall", self.side_wall, limit(0.5 * width));
+        let top_wall = length("top_wall", self.top_wall, limit(height - base));
         if let Some(floor) = self.cavity_floor {
-            check("cavity_floor", floor, 0.0, self.height - self.top_wall, true)?;
+            length("cavity_floor", floor, limit(height - top_wall));
         }
-        check("channel.half_width", self.channel.half_width, 0.0, 0.5 * self.width - self.side_wall, false)?;
         if self.channel.half_width > 0.0 {
-            check("channel.bottom", self.channel.bottom, 0.0, self.base, true)?;
-            check("channel.top", self.channel.top, self.channel.bottom, self.base, true)?;
+            let bottom = length("channel.bottom", self.channel.bottom, limit(base));
+            let lowest = if bottom.is_nan() { 0.0 } else { bottom };
+            found.extend(out_of_range("channel.top", self.channel.top, lowest, limit(base), true));
         }
-        Ok(())
+        found.extend(out_of_range("flange", self.flange, 0.0, NO_LIMIT, false));
+        let half_inside = limit(0.5 * width - side_wall);
+        found.extend(out_of_range("channel.half_width", self.channel.half_width, 0.0, half_inside, false));
+        found
     }
 
     /// Start of chamber `i` (from 0) along x.

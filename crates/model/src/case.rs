@@ -7,34 +7,30 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::written::Written;
+
 /// A whole case file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "Written")]
 pub struct Case {
     /// Title, repeated in the output.
-    #[serde(default)]
     pub title: String,
     /// Geometry; every length is required.
     pub actuator: Actuator,
     /// Mesh size and element.
-    #[serde(default)]
     pub mesh: MeshOptions,
     /// Material law and constants.
-    #[serde(default)]
     pub material: Material,
     /// Contact between neighbouring chambers.
-    #[serde(default)]
     pub contact: Contact,
     /// Pressures to land on.
     pub load: Load,
     /// Points whose displacement is reported.
-    #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
+    #[serde(rename = "probe", skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
     /// Solver settings.
-    #[serde(default)]
     pub solver: Solver,
     /// What is written.
-    #[serde(default)]
     pub output: Output,
 }
 
@@ -104,8 +100,7 @@ pub enum Formulation {
 }
 
 /// Material law and constants, MPa.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
     /// The law; Yeoh for now.
     pub law: Law,
@@ -141,8 +136,7 @@ pub enum Invariant {
 }
 
 /// Contact between the facing walls of neighbouring chambers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contact {
     /// Where contact is looked for.
     pub method: ContactMethod,
@@ -336,7 +330,7 @@ impl Resolution {
             Self::Standard => (1.0, 1.4),
             Self::Fine => (1.0, 0.7),
         };
-        let wall = actuator.end_wall().min(actuator.side_wall).min(actuator.top_wall);
+        let wall = actuator.thinnest_wall();
         let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
         MeshSize { edge: of_wall * wall, ..MeshSize::uniform(of_width * width) }
     }
@@ -408,67 +402,85 @@ impl Case {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// The first key that is out of range.
+    /// The first key that is out of range; [`Self::problems`] has all.
     pub fn validate(&self) -> Result<(), CaseError> {
-        self.actuator.validate()?;
-        let fail = |key: &str, value: &dyn fmt::Debug, allowed: &str| {
-            Err(CaseError { key: key.into(), value: format!("{value:?}"), allowed: allowed.into() })
-        };
-        let positive = |key: &str, value: f64, unit: &str| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                fail(key, &value, &format!("must be a finite number greater than 0{unit}"))
-            }
-        };
-        let finite = |key: &str, value: f64| {
-            if value.is_finite() { Ok(()) } else { fail(key, &value, "must be a finite number, MPa") }
-        };
-        for h in self.mesh.size.iter().flat_map(|size| size.per_axis()) {
-            positive("mesh.size", h, " mm")?;
+        self.problems().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every key whose value is out of range, table by table.
+    pub fn problems(&self) -> Vec<CaseError> {
+        let mut found = Problems(self.actuator.problems().into_iter().map(CaseError::from).collect());
+        let smallest = self.mesh.size.iter().flat_map(|size| size.per_axis()).min_by(f64::total_cmp);
+        let largest = self.mesh.size.iter().flat_map(|size| size.per_axis()).max_by(f64::total_cmp);
+        // One of them is out of range if any is; a NaN is the largest or the smallest of all.
+        if let Some(bad) = [smallest, largest].into_iter().flatten().find(|h| !(h.is_finite() && *h > 0.0)) {
+            found.unless_positive("mesh.size", bad, " mm");
         }
         if let Some(edge) = self.mesh.edge_size {
-            positive("mesh.edge_size", edge, " mm")?;
+            found.unless_positive("mesh.edge_size", edge, " mm");
         }
         if let Some(n) = self.mesh.wall_elements.filter(|n| !(1..=1000).contains(n)) {
-            return fail("mesh.wall_elements", &n, "must be from 1 to 1000");
+            found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
         }
-        positive("material.c10", self.material.c10, " MPa")?;
-        finite("material.c20", self.material.c20)?;
-        finite("material.c30", self.material.c30)?;
-        positive("material.bulk_modulus", self.material.bulk_modulus, " MPa")?;
-        positive("contact.stiffness", self.contact.stiffness, " N/mm3")?;
+        found.unless_positive("material.c10", self.material.c10, " MPa");
+        for (key, value) in [("material.c20", self.material.c20), ("material.c30", self.material.c30)] {
+            if !value.is_finite() {
+                found.add(key, &value, "must be a finite number, MPa");
+            }
+        }
+        found.unless_positive("material.bulk_modulus", self.material.bulk_modulus, " MPa");
+        found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
+        self.check_load_and_probes(&mut found);
+        self.solver.check(&mut found);
+        found.0
+    }
 
+    fn check_load_and_probes(&self, found: &mut Problems) {
         let pressures = &self.load.pressure_kpa;
-        let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
         let increasing = pressures.windows(2).all(|w| w[0] < w[1]);
         if pressures.is_empty() || !pressures.iter().all(|p| p.is_finite() && *p > 0.0) || !increasing {
-            return fail("load.pressure_kpa", pressures, allowed);
+            let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
+            found.add("load.pressure_kpa", pressures, allowed);
         }
         for (i, probe) in self.probes.iter().enumerate() {
             if probe.name.is_empty() || self.probes[..i].iter().any(|other| other.name == probe.name) {
-                return fail(
-                    &format!("probe[{i}].name"),
-                    &probe.name,
-                    "must be non-empty and different for every probe",
-                );
+                let allowed = "must be non-empty and different for every probe";
+                found.add(&format!("probe[{i}].name"), &probe.name, allowed);
             }
             if !probe.at.iter().all(|x| x.is_finite()) {
-                return fail(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
+                found.add(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
             }
         }
-        let solver = &self.solver;
-        positive("solver.tolerance", solver.tolerance, " (mm, N)")?;
-        positive("solver.residual_tolerance", solver.residual_tolerance, "")?;
-        positive("solver.first_step_kpa", solver.first_step_kpa, " kPa")?;
-        positive("solver.min_step_kpa", solver.min_step_kpa, " kPa")?;
-        positive("solver.max_step_kpa", solver.max_step_kpa, " kPa")?;
-        if solver.max_step_kpa < solver.min_step_kpa {
-            return fail("solver.max_step_kpa", &solver.max_step_kpa, "must not be below solver.min_step_kpa");
+    }
+}
+
+impl Solver {
+    fn check(&self, found: &mut Problems) {
+        found.unless_positive("solver.tolerance", self.tolerance, " (mm, N)");
+        found.unless_positive("solver.residual_tolerance", self.residual_tolerance, "");
+        found.unless_positive("solver.first_step_kpa", self.first_step_kpa, " kPa");
+        found.unless_positive("solver.min_step_kpa", self.min_step_kpa, " kPa");
+        found.unless_positive("solver.max_step_kpa", self.max_step_kpa, " kPa");
+        if self.max_step_kpa < self.min_step_kpa {
+            found.add("solver.max_step_kpa", &self.max_step_kpa, "must not be below solver.min_step_kpa");
         }
-        if !(2..=1000).contains(&solver.max_iterations) {
-            return fail("solver.max_iterations", &solver.max_iterations, "must be from 2 to 1000");
+        if !(2..=1000).contains(&self.max_iterations) {
+            found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");
         }
-        Ok(())
+    }
+}
+
+/// Values found out of range.
+struct Problems(Vec<CaseError>);
+
+impl Problems {
+    fn add(&mut self, key: &str, value: &dyn fmt::Debug, allowed: &str) {
+        self.0.push(CaseError { key: key.into(), value: format!("{value:?}"), allowed: allowed.into() });
+    }
+
+    fn unless_positive(&mut self, key: &str, value: f64, unit: &str) {
+        if !(value.is_finite() && value > 0.0) {
+            self.add(key, &value, &format!("must be a finite number greater than 0{unit}"));
+        }
     }
 }

@@ -8,6 +8,7 @@
 
 pub mod case;
 pub mod problem;
+mod written;
 
 pub use case::{
     Case, CaseError, Contact, ContactMethod, Formulation, Invariant, Law, Load, Material, MeshOptions, Output, Probe,

@@ -1,0 +1,149 @@
+//! The case file as it is written: keys whose defaults follow from other keys are optional here.
+
+use pneuflex_mesh::Actuator;
+use serde::Deserialize;
+
+use crate::case::{Case, Contact, ContactMethod, Invariant, Law, Load, Material, MeshOptions, Output, Probe, Solver};
+
+/// [`Case`] with such keys left open.
+#[derive(Deserialize)]
+#[serde(rename = "Case", deny_unknown_fields)]
+pub struct Written {
+    #[serde(default)]
+    title: String,
+    actuator: Actuator,
+    #[serde(default)]
+    mesh: MeshOptions,
+    #[serde(default)]
+    material: WrittenMaterial,
+    #[serde(default)]
+    contact: WrittenContact,
+    load: Load,
+    #[serde(default, rename = "probe")]
+    probes: Vec<Probe>,
+    #[serde(default)]
+    solver: WrittenSolver,
+    #[serde(default)]
+    output: Output,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Material", deny_unknown_fields, default)]
+struct WrittenMaterial {
+    law: Law,
+    c10: f64,
+    c20: f64,
+    c30: f64,
+    bulk_modulus: Option<f64>,
+    invariant: Invariant,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Contact", deny_unknown_fields, default)]
+struct WrittenContact {
+    method: ContactMethod,
+    stiffness: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Solver", deny_unknown_fields, default)]
+struct WrittenSolver {
+    tolerance: f64,
+    residual_tolerance: f64,
+    max_iterations: usize,
+    first_step_kpa: f64,
+    max_step_kpa: f64,
+    min_step_kpa: Option<f64>,
+}
+
+impl Default for WrittenSolver {
+    fn default() -> Self {
+        let Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } =
+            Solver::default();
+        Self { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa: None }
+    }
+}
+
+impl Default for WrittenMaterial {
+    fn default() -> Self {
+        let Material { law, c10, c20, c30, invariant, .. } = Material::default();
+        Self { law, c10, c20, c30, bulk_modulus: None, invariant }
+    }
+}
+
+impl Default for WrittenContact {
+    fn default() -> Self {
+        Self { method: Contact::default().method, stiffness: None }
+    }
+}
+
+impl From<Written> for Case {
+    fn from(written: Written) -> Self {
+        let Written { title, actuator, mesh, material, contact, load, probes, solver, output } = written;
+        let bulk_modulus = material.bulk_modulus.unwrap_or_else(|| default_bulk_modulus(material.c10));
+        let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.c10, &actuator));
+        let min_step_kpa = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load));
+        let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
+        let solver =
+            Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa };
+        let WrittenMaterial { law, c10, c20, c30, invariant, .. } = material;
+        Self {
+            title,
+            mesh,
+            material: Material { law, c10, c20, c30, bulk_modulus, invariant },
+            contact: Contact { method: contact.method, stiffness },
+            actuator,
+            load,
+            probes,
+            solver,
+            output,
+        }
+    }
+}
+
+/// Bulk modulus of a material of which only the shear constants are known, MPa: the paper's ratio of 1000 to its C₁₀, which is
+/// 1844 times the shear modulus (Poisson's ratio 0.4997).
+fn default_bulk_modulus(c10: f64) -> f64 {
+    let paper = Material::default();
+    // What is out of range itself is complained about by itself.
+    if c10 > 0.0 { rounded(paper.bulk_modulus * c10 / paper.c10) } else { paper.bulk_modulus }
+}
+
+/// Penalty stiffness, N/mm³: the paper's 4 for its material and walls of 1 mm, in proportion to the shear modulus over the thinnest
+/// wall's thickness. Walls pressed together by the air then sink into each other by the same share of their thickness.
+fn default_stiffness(c10: f64, actuator: &Actuator) -> f64 {
+    let (paper, wall) = (Contact::default().stiffness, actuator.thinnest_wall());
+    if c10 > 0.0 && wall > 0.0 { rounded(paper * c10 / Material::default().c10 / wall) } else { paper }
+}
+
+/// Smallest load step, kPa: small beside the pressures of soft materials, too.
+fn default_min_step(load: &Load) -> f64 {
+    let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
+    let default = Solver::default().min_step_kpa;
+    if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default }
+}
+
+/// To twelve digits: the paper's constants give the paper's numbers, not their neighbours.
+fn rounded(value: f64) -> f64 {
+    if !value.is_finite() || value == 0.0 {
+        return value;
+    }
+    let unit = 10f64.powf(11.0 - value.abs().log10().floor());
+    let rounded = (value * unit).round() / unit;
+    if rounded.is_finite() { rounded } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_material_gives_the_papers_numbers_and_others_scale() {
+        assert_eq!(default_bulk_modulus(0.2712), 1000.0);
+        assert_eq!(default_stiffness(0.2712, &Actuator::full()), 4.0);
+        assert_eq!(default_bulk_modulus(0.02712), 100.0);
+        let thick = Actuator { top_wall: 2.0, side_wall: 2.0, cavity_length: 4.0, ..Actuator::full() };
+        assert_eq!(default_stiffness(0.5424, &thick), 4.0);
+        assert_eq!(default_bulk_modulus(f64::NAN), 1000.0);
+    }
+}
