@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod corpus;
 mod program;
 mod report_test;
 mod tidy;
@@ -15,6 +16,8 @@ const USAGE: &str = "usage: cargo xtask TASK
 tasks:
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
+  corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
+            [--count N] [--seed S] [--limit SECONDS] [--jobs N] [--only NUMBERS]
   report-test [RESULT_DIR]
             open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
             target/report-test
@@ -30,6 +33,7 @@ fn main() -> ExitCode {
     let rest: Vec<&str> = arguments.iter().skip(1).map(String::as_str).collect();
     match arguments.first().map(String::as_str) {
         Some("bench") => bench::run(&arguments[1..]),
+        Some("corpus") => corpus::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
         Some("verification") if rest.is_empty() => verification::run(false),

@@ -1,0 +1,203 @@
+//! `cargo xtask corpus`: random designs through the real program; how many converge or end for a physical reason.
+
+mod design;
+mod outcome;
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use design::{Design, latin_hypercube};
+use outcome::{Outcome, Remains, judge};
+
+use crate::program;
+
+/// Share of the designs that must not fail.
+const BAR: f64 = 0.98;
+
+struct Arguments {
+    count: usize,
+    seed: u64,
+    limit: Duration,
+    jobs: usize,
+    only: Vec<usize>,
+}
+
+/// A design's run.
+struct Record {
+    number: usize,
+    outcome: Outcome,
+    seconds: f64,
+    iterations: u64,
+}
+
+pub fn run(arguments: &[String]) -> ExitCode {
+    match parse(arguments).and_then(|arguments| corpus(&arguments)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(4),
+        Err(message) => {
+            eprintln!("corpus: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn parse(arguments: &[String]) -> Result<Arguments, String> {
+    let jobs = thread::available_parallelism().map_or(1, usize::from);
+    let mut parsed = Arguments { count: 200, seed: 1, limit: Duration::from_secs(300), jobs, only: Vec::new() };
+    let mut rest = arguments.iter();
+    while let Some(name) = rest.next() {
+        let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;
+        let number = || value.parse::<u64>().map_err(|_| format!("{name} {value}: expected a whole number"));
+        match name.as_str() {
+            "--count" => parsed.count = number()?.clamp(1, 100_000) as usize,
+            "--seed" => parsed.seed = number()?,
+            "--limit" => parsed.limit = Duration::from_secs(number()?),
+            "--jobs" => parsed.jobs = number()?.clamp(1, 1000) as usize,
+            "--only" => {
+                let numbers =
+                    value.split(',').map(|n| n.parse().map_err(|_| format!("--only {value}: expected numbers")));
+                parsed.only = numbers.collect::<Result<_, _>>()?;
+            }
+            _ => return Err(format!("unknown option {name}")),
+        }
+    }
+    Ok(parsed)
+}
+
+/// Runs the designs; whether enough of them do not fail.
+fn corpus(arguments: &Arguments) -> Result<bool, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let program = program::build(&root)?;
+    let folder = program::target_folder(&root).join("corpus").join(format!("seed_{}", arguments.seed));
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let wanted = |design: &Design| arguments.only.is_empty() || arguments.only.contains(&design.number);
+    let designs: Vec<Design> = latin_hypercube(arguments.count, arguments.seed).into_iter().filter(wanted).collect();
+    println!("{} designs of seed {}, in {}", designs.len(), arguments.seed, folder.display());
+
+    let next = AtomicUsize::new(0);
+    let records = Mutex::new(Vec::new());
+    thread::scope(|scope| {
+        for _ in 0..arguments.jobs {
+            scope.spawn(|| {
+                while let Some(design) = designs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let record = try_design(&program, &folder, design, arguments.limit);
+                    println!("{}", line(&record));
+                    if let Ok(mut records) = records.lock() {
+                        records.push(record);
+                    }
+                }
+            });
+        }
+    });
+    let mut records = records.into_inner().map_err(|_| "a worker has ended early".to_owned())?;
+    records.sort_by_key(|record| record.number);
+    Ok(report(&records))
+}
+
+fn line(record: &Record) -> String {
+    let Record { number, outcome, seconds, iterations } = record;
+    let outcome = match outcome {
+        Outcome::Converged => "converged".to_owned(),
+        Outcome::Physical(kind) => format!("ended: {kind}"),
+        Outcome::Failed(what) => format!("FAILED: {what}"),
+    };
+    format!("{number:5}  {seconds:6.1} s  {iterations:4} iterations  {outcome}")
+}
+
+/// Prints the counts; whether the bar is met.
+fn report(records: &[Record]) -> bool {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for record in records {
+        let name = match &record.outcome {
+            Outcome::Converged => "converged".into(),
+            Outcome::Physical(kind) => format!("ended: {kind}"),
+            Outcome::Failed(what) => format!("FAILED: {}", what.split(':').next().unwrap_or(what)),
+        };
+        *counts.entry(name).or_default() += 1;
+    }
+    println!();
+    for (name, count) in &counts {
+        println!("{count:5}  {name}");
+    }
+    let failed: Vec<String> = records
+        .iter()
+        .filter(|record| matches!(record.outcome, Outcome::Failed(_)))
+        .map(|record| record.number.to_string())
+        .collect();
+    if !failed.is_empty() {
+        println!("failed: {}", failed.join(","));
+    }
+    let rate = 1.0 - failed.len() as f64 / records.len().max(1) as f64;
+    let mut seconds: Vec<f64> = records.iter().map(|record| record.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let quantile = |share: f64| seconds.get((share * (seconds.len() as f64 - 1.0)) as usize).copied().unwrap_or(0.0);
+    println!(
+        "{:.1} % converge or end for a physical reason (bar: {:.0} %); median {:.1} s, longest {:.1} s",
+        100.0 * rate,
+        100.0 * BAR,
+        quantile(0.5),
+        quantile(1.0)
+    );
+    rate >= BAR
+}
+
+fn try_design(program: &Path, folder: &Path, design: &Design, limit: Duration) -> Record {
+    let began = Instant::now();
+    let text = design.case();
+    let remains = run_case(program, &folder.join(format!("design_{:03}", design.number)), &text, limit);
+    let summary: serde_json::Value = remains
+        .as_ref()
+        .ok()
+        .and_then(|remains| serde_json::from_str(remains.summary.as_deref()?).ok())
+        .unwrap_or_default();
+    Record {
+        number: design.number,
+        outcome: remains.map_or_else(Outcome::Failed, |remains| judge(&remains)),
+        seconds: began.elapsed().as_secs_f64(),
+        iterations: summary["iterations_total"].as_u64().unwrap_or(0),
+    }
+}
+
+/// Writes a case and lets the program solve it with one thread.
+fn run_case(program: &Path, stem: &Path, text: &str, limit: Duration) -> Result<Remains, String> {
+    let words = |what: &str, e: std::io::Error| format!("{}: {what}: {e}", stem.display());
+    let case: pneuflex_model::Case = toml::from_str(text).map_err(|e| e.to_string())?;
+    let (file, out): (PathBuf, PathBuf) = (stem.with_extension("toml"), stem.to_owned());
+    fs::write(&file, text).map_err(|e| words("case", e))?;
+    let messages = stem.with_extension("log");
+    let log = File::create(&messages).map_err(|e| words("log", e))?;
+    // An older summary must not be taken for this run's.
+    let _ = fs::remove_file(out.join("summary.json"));
+    let mut child = Command::new(program)
+        .args(["run", "--threads", "1", "--out"])
+        .args([&out, &file])
+        .stdout(Stdio::null())
+        .stderr(log)
+        .spawn()
+        .map_err(|e| words("the program cannot be started", e))?;
+    let began = Instant::now();
+    let status = loop {
+        match child.try_wait().map_err(|e| words("waiting", e))? {
+            Some(status) => break Some(status),
+            None if began.elapsed() > limit => {
+                child.kill().map_err(|e| words("killing", e))?;
+                child.wait().map_err(|e| words("waiting", e))?;
+                break None;
+            }
+            None => thread::sleep(Duration::from_millis(20)),
+        }
+    };
+    Ok(Remains {
+        code: status.and_then(|status| status.code()),
+        is_late: status.is_none(),
+        messages: fs::read_to_string(&messages).unwrap_or_default(),
+        summary: fs::read_to_string(out.join("summary.json")).ok(),
+        thinnest_wall: case.actuator.thinnest_wall(),
+    })
+}
