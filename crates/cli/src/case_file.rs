@@ -1,5 +1,8 @@
 //! Reading a case file and the `--set` changes to it, with errors that name file, line, key and allowed range.
 //!
+//! Everything wrong with a case is said at once: what cannot be read is mended for the time being (a misspelt key gets its nearest
+//! name, a wrong value its default) and reading goes on, see [`crate::repair`].
+//!
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.
 
@@ -13,7 +16,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{InputError, Place};
+use crate::repair::{Repair, Repairs};
 use crate::suggest;
+
+/// Problems of a file that are said at the most.
+const MOST_PROBLEMS: usize = 30;
 
 /// A case together with where its values come from.
 #[derive(Debug)]
@@ -50,8 +57,8 @@ impl CaseFile {
     /// Reads and checks a case file with changes `key=value` applied to it.
     ///
     /// # Errors
-    /// A file that cannot be read, is not UTF-8 or not TOML, an unknown, missing or misplaced key, a value out of range.
-    pub fn load(path: &Path, changes: &[String]) -> Result<Self, InputError> {
+    /// A file that cannot be read, is not UTF-8 or not TOML; every unknown, missing or misplaced key and every value out of range.
+    pub fn load(path: &Path, changes: &[String]) -> Result<Self, Vec<InputError>> {
         let text = read(path)?;
         let mut sources = Sources { texts: vec![Text { name: path.display().to_string(), start: 0, text }] };
         for change in changes {
@@ -71,18 +78,16 @@ impl CaseFile {
         }
         let mut keys = Vec::new();
         collect(document.get_ref(), "", &mut keys);
-
-        let case = Case::deserialize(toml::Deserializer::from(document));
-        let case = case.map_err(|error| describe(&error, &sources, &keys))?;
-        let path = path.to_owned();
-        let file = Self { case, path, sources, keys };
-        file.case.validate().map_err(|error| file.out_of_range(&error))?;
-        Ok(file)
+        let (case, errors) = deserialize(&mut document, &sources, &keys);
+        match case {
+            Some(case) if errors.is_empty() => Ok(Self { case, path: path.to_owned(), sources, keys }),
+            _ => Err(errors),
+        }
     }
 
     /// Turns a range error into one that shows where the value stands.
     pub fn out_of_range(&self, error: &CaseError) -> InputError {
-        InputError::new(error.to_string()).at(Some(self.place(&error.key)))
+        InputError::new(error.to_string()).at(Some(place_of(&error.key, &self.sources, &self.keys)))
     }
 
     /// Name of the case file without folder and extension.
@@ -94,18 +99,52 @@ impl CaseFile {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
 
-    /// Where a key stands; if it is not written out, where the nearest table around it does.
-    fn place(&self, key: &str) -> Place {
-        let mut wanted = key;
-        loop {
-            if let Some(found) = self.keys.iter().find(|k| k.path == wanted) {
-                return self.sources.place(found.key.start..found.value.end.max(found.key.end));
+/// Reads the case, and says everything that is wrong with it.
+fn deserialize(
+    document: &mut Spanned<DeTable<'_>>,
+    sources: &Sources,
+    keys: &[Key],
+) -> (Option<Case>, Vec<InputError>) {
+    let mut errors = Vec::new();
+    let mut repairs = Repairs::default();
+    while errors.len() < MOST_PROBLEMS {
+        let error = match Case::deserialize(toml::Deserializer::from(document.clone())) {
+            Ok(case) => {
+                let problems = case.problems();
+                let said = problems.iter().filter(|problem| !repairs.touch(&problem.key));
+                errors.extend(said.map(|problem| {
+                    InputError::new(problem.to_string()).at(Some(place_of(&problem.key, sources, keys)))
+                }));
+                errors.sort_by_key(InputError::position);
+                return (Some(case), errors);
             }
-            match wanted.rfind(['.', '[']) {
-                Some(end) => wanted = &wanted[..end],
-                None => return self.sources.place(0..0),
-            }
+            Err(error) => error,
+        };
+        let (said, repair) = describe(&error, sources, keys);
+        let is_news = !repairs.touch(repair.path());
+        if is_news {
+            errors.push(said);
+        }
+        if !repairs.apply(repair, document.get_mut()) {
+            break;
+        }
+    }
+    errors.sort_by_key(InputError::position);
+    (None, errors)
+}
+
+/// Where a key stands; if it is not written out, where the nearest table around it does.
+fn place_of(key: &str, sources: &Sources, keys: &[Key]) -> Place {
+    let mut wanted = key;
+    loop {
+        if let Some(found) = keys.iter().find(|k| k.path == wanted) {
+            return sources.place(found.key.start..found.value.end.max(found.key.end));
+        }
+        match wanted.rfind(['.', '[']) {
+            Some(end) => wanted = &wanted[..end],
+            None => return sources.place(0..0),
         }
     }
 }
@@ -201,8 +240,8 @@ fn collect_value(value: &Spanned<DeValue<'_>>, path: &str, keys: &mut Vec<Key>) 
     }
 }
 
-/// Puts a reader's error into words about keys.
-fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> InputError {
+/// Puts a reader's error into words about keys, with what lets the reader go on.
+fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputError, Repair) {
     let message = one_line(error.message());
     let span = error.span().unwrap_or(0..0);
     // The innermost key whose name or value is at the error's place.
@@ -213,31 +252,39 @@ fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> InputEr
         .min_by_key(|k| if holds(&k.key) { k.key.len() } else { k.value.len() });
     let path = key.map_or("", |k| k.path.as_str());
     let place = Some(sources.place(span.clone()));
+    let did_you_mean = |name: &str| format!("did you mean `{name}`?");
 
     if let Some((_, rest)) = message.split_once("unknown field `") {
         let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
         let allowed = quoted(expected);
         let known =
             if allowed.is_empty() { String::new() } else { format!("; known keys here: {}", allowed.join(", ")) };
-        let help = suggest::closest(name, allowed.iter().copied()).map(|s| format!("did you mean `{s}`?"));
+        let meant = suggest::closest(name, allowed.iter().copied());
         let path = if path.is_empty() { name } else { path };
-        return InputError::new(format!("unknown key `{path}`{known}")).at(place).help(help);
+        let repair = match meant {
+            Some(meant) => Repair::Rename { path: path.into(), to: meant.into() },
+            None => Repair::Remove(path.into()),
+        };
+        let error = InputError::new(format!("unknown key `{path}`{known}"));
+        return (error.at(place).help(meant.map(did_you_mean)), repair);
     }
     if let Some((_, rest)) = message.split_once("unknown variant `") {
         let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
         let allowed = quoted(expected);
-        let help = suggest::closest(name, allowed.iter().copied()).map(|s| format!("did you mean `{s}`?"));
+        let help = suggest::closest(name, allowed.iter().copied()).map(did_you_mean);
         let message = format!("{path} = {name:?} is not allowed: must be one of {}", allowed.join(", "));
-        return InputError::new(message).at(place).help(help);
+        return (InputError::new(message).at(place).help(help), Repair::Remove(path.into()));
     }
     if let Some((_, rest)) = message.split_once("missing field `") {
         let name = rest.split('`').next().unwrap_or(rest);
-        let name = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
         let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with".to_owned());
-        return InputError::new(format!("key `{name}` is missing")).at(place).help(help);
+        let error = InputError::new(format!("key `{path}` is missing")).at(place).help(help);
+        return (error, Repair::StandIn(path));
     }
     let text = plain_types(&message);
-    InputError::new(if path.is_empty() { text } else { format!("{path}: {text}") }).at(place)
+    let error = InputError::new(if path.is_empty() { text } else { format!("{path}: {text}") }).at(place);
+    (error, Repair::Remove(path.into()))
 }
 
 /// The words between backquotes.

@@ -10,8 +10,8 @@ use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, Sourc
 /// An error of the program.
 #[derive(Debug)]
 pub enum CliError {
-    /// What the user gave cannot be used.
-    Input(InputError),
+    /// What the user gave cannot be used: everything that is wrong with it.
+    Input(Vec<InputError>),
     /// A result could not be written.
     Output(String),
 }
@@ -46,6 +46,26 @@ impl Place {
     }
 }
 
+impl Place {
+    fn is_command_line(&self) -> bool {
+        self.name.starts_with("--set")
+    }
+
+    /// The line with the place underlined.
+    fn excerpt(&self) -> String {
+        let text = self.source.inner();
+        let start = text[..self.span.start].rfind('\n').map_or(0, |end| end + 1);
+        let end = text[self.span.start..].find('\n').map_or(text.len(), |length| self.span.start + length);
+        let number = self.line.to_string();
+        let blank = " ".repeat(number.len());
+        // Tabs keep their width in the line below.
+        let before: String = text[start..self.span.start].chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let marked = text[self.span.start..self.span.end.clamp(self.span.start, end)].chars().count().max(1);
+        let line = text[start..end].trim_end();
+        format!("  {number} | {line}\n  {blank} | {before}{}", "^".repeat(marked))
+    }
+}
+
 /// The largest character boundary of `text` that is not beyond `index`.
 fn floor_char(text: &str, index: usize) -> usize {
     (0..=index.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
@@ -77,7 +97,19 @@ impl InputError {
 
 impl From<InputError> for CliError {
     fn from(error: InputError) -> Self {
-        Self::Input(error)
+        Self::Input(vec![error])
+    }
+}
+
+impl From<Vec<InputError>> for CliError {
+    fn from(errors: Vec<InputError>) -> Self {
+        Self::Input(errors)
+    }
+}
+
+impl From<InputError> for Vec<InputError> {
+    fn from(error: InputError) -> Self {
+        vec![error]
     }
 }
 
@@ -108,7 +140,7 @@ impl CliError {
     /// What went wrong, in one line.
     pub fn message(&self) -> String {
         match self {
-            Self::Input(error) => error.to_string(),
+            Self::Input(errors) => errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
             Self::Output(message) => message.clone(),
         }
     }
@@ -116,25 +148,35 @@ impl CliError {
     /// Prints the error on standard error.
     pub fn print(&self) {
         match self {
-            Self::Input(error) if io::stderr().is_terminal() => {
-                let mut text = String::new();
-                match GraphicalReportHandler::new().render_report(&mut text, error) {
-                    Ok(()) => say(&text),
-                    Err(_) => say(&format!("error: {error}")),
-                }
-            }
-            Self::Input(error) => {
-                match &error.place {
-                    Some(p) if p.name.starts_with("--set") => say(&format!("error: {}: {error}", p.name)),
-                    Some(p) => say(&format!("error: {}:{}:{}: {error}", p.name, p.line, p.column)),
-                    None => say(&format!("error: {error}")),
-                }
-                if let Some(help) = &error.help {
-                    say(&format!("  help: {help}"));
-                }
-            }
+            Self::Input(errors) => errors.iter().for_each(InputError::print),
             Self::Output(message) => say(&format!("error: {message}")),
         }
+    }
+}
+
+impl InputError {
+    /// Prints the error on standard error: with colours on a terminal, as plain lines elsewhere.
+    fn print(&self) {
+        let mut text = String::new();
+        if io::stderr().is_terminal() && GraphicalReportHandler::new().render_report(&mut text, self).is_ok() {
+            return say(&text);
+        }
+        match &self.place {
+            Some(p) if p.is_command_line() => say(&format!("error: {}: {self}", p.name)),
+            Some(p) => {
+                say(&format!("error: {}:{}:{}: {self}", p.name, p.line, p.column));
+                say(&p.excerpt());
+            }
+            None => say(&format!("error: {self}")),
+        }
+        if let Some(help) = &self.help {
+            say(&format!("  help: {help}"));
+        }
+    }
+
+    /// Where it belongs: places on the command line come after those in the file.
+    pub fn position(&self) -> (bool, usize) {
+        self.place.as_ref().map_or((false, 0), |place| (place.is_command_line(), place.span.start))
     }
 }
 

@@ -1,10 +1,10 @@
 //! The `pneuflex` command line program: the only crate that touches files, clock and terminal.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`case_file`], [`error`], [`suggest`]: reading case files, and messages about them.
+//! * [`case_file`], [`repair`], [`error`], [`suggest`]: reading case files, and messages about them.
 //! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
-//! * [`folder`], [`recorder`], [`checkpoint`], [`json`]: the output folder.
+//! * [`folder`], [`recorder`], [`checkpoint`], [`diagnosis`], [`json`]: the output folder.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //! * [`memory`], [`progress`]: estimates and progress.
 //!
@@ -16,6 +16,7 @@ mod check;
 mod checkpoint;
 mod completions;
 mod converge;
+mod diagnosis;
 mod error;
 mod examples;
 mod fit;
@@ -28,6 +29,7 @@ mod memory;
 mod new;
 mod progress;
 mod recorder;
+mod repair;
 mod rod;
 mod run;
 mod suggest;

@@ -12,6 +12,7 @@ use pneuflex_post::vtu::{SeriesEntry, series};
 use serde::Serialize;
 
 use crate::checkpoint::{self, Recorded};
+use crate::diagnosis::{Reason, Warning, warnings};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
 
@@ -24,6 +25,9 @@ struct Summary {
     status: Status,
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure_reason: Option<Reason>,
+    warnings: Vec<Warning>,
     mesh: MeshSummary,
     probes: BTreeMap<String, ProbeSite>,
     steps: Vec<Step>,
@@ -99,6 +103,8 @@ impl<'a> Recorder<'a> {
             title: case.title.clone(),
             status: Status::Running,
             failure: None,
+            failure_reason: None,
+            warnings: Vec::new(),
             mesh,
             probes: probe_sites(&problem.mesh, &case.probes),
             steps: Vec::new(),
@@ -222,7 +228,11 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// The first thing that could not be recorded.
-    pub fn finish(mut self, result: &Result<PathReport, (Failure, PathReport)>) -> Result<Option<String>, String> {
+    pub fn finish(
+        mut self,
+        result: &Result<PathReport, (Failure, PathReport)>,
+        reason: Option<Reason>,
+    ) -> Result<Option<String>, String> {
         let (report, failure) = match result {
             Ok(report) => (report, None),
             Err((failure, report)) => (report, Some(failure)),
@@ -232,11 +242,15 @@ impl<'a> Recorder<'a> {
         let reached = self.summary.steps.len();
         let missed = self.case.load.pressure_kpa.get(reached).copied();
         self.summary.failure = match (failure, &self.error, missed) {
-            (Some(failure), _, _) => Some(failure.to_string()),
+            (Some(failure), _, _) => Some(match &reason {
+                Some(reason) => format!("not converged: {}", reason.message),
+                None => failure.to_string(),
+            }),
             (None, Some(error), _) => Some(error.clone()),
             (None, None, Some(pressure)) => Some(format!("{pressure} kPa was not reached")),
             (None, None, None) => None,
         };
+        self.summary.failure_reason = reason;
         self.summary.status = match (&self.summary.failure, failure) {
             (None, _) => Status::Converged,
             (_, Some(Failure { cause: Cause::Interrupted, .. })) => Status::Interrupted,
@@ -255,7 +269,13 @@ impl<'a> Recorder<'a> {
         &self.folder
     }
 
-    fn write_summary(&self) -> Result<(), String> {
+    fn write_summary(&mut self) -> Result<(), String> {
+        let landed = |step: &'_ Step| match step {
+            Step::Landed(step) => Some((**step).clone()),
+            Step::Failed { .. } => None,
+        };
+        let steps: Vec<StepSummary> = self.summary.steps.iter().filter_map(landed).collect();
+        self.summary.warnings = warnings(self.case, &steps.iter().collect::<Vec<_>>());
         let text = json::pretty(&self.summary).map_err(|e| format!("summary.json: {e}"))?;
         self.folder.write("summary.json", text)
     }

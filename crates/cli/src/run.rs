@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use pneuflex_model::{Problem, Solver};
-use pneuflex_newton::{Cause, Checkpoint, Event, Failure, Path, PathReport, Timing};
+use pneuflex_newton::{Cause, Checkpoint, Event, Failure, Path, PathReport, Stability, Timing};
 
 use crate::args::RunArguments;
 use crate::case_file::CaseFile;
 use crate::checkpoint::{self, Recorded, Start};
+use crate::diagnosis::explain;
 use crate::error::{self, CliError, InputError};
 use crate::folder::OutputFolder;
 use crate::interrupt;
@@ -94,6 +95,10 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
 
     let remaining = pressures.get(recorded.steps.len()..).unwrap_or_default();
     let mut recorder = Recorder::new(folder, &file.case, &problem, recorded).map_err(CliError::Output)?;
+    let mut last_equilibrium = match &from {
+        Some(checkpoint) => checkpoint.displacement.as_flattened().to_vec(),
+        None => vec![0.0; problem.num_dofs()],
+    };
     let result = follow(&problem, remaining, &file.case.solver, from, &mut |event| {
         match event {
             Event::StepStarted { step, pressure_kpa } => progress.step_started(step, pressure_kpa),
@@ -102,7 +107,10 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
                 progress.iteration(record);
             }
             Event::StepRejected { cause, .. } => progress.rejected(cause),
-            Event::StepAccepted(checkpoint) => recorder.step_accepted(checkpoint),
+            Event::StepAccepted(checkpoint) => {
+                last_equilibrium.copy_from_slice(checkpoint.displacement.as_flattened());
+                recorder.step_accepted(checkpoint);
+            }
             Event::Landed(state) => {
                 if let Some(summary) = recorder.landed(state) {
                     progress.landed(summary);
@@ -115,7 +123,9 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     });
     progress.finish();
     let folder = recorder.folder().path().to_owned();
-    let failure = recorder.finish(&result).map_err(CliError::Output)?;
+    let reason = result.as_ref().err().and_then(|(failure, _)| explain(&problem, failure, &last_equilibrium));
+    let advice = reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice)).unwrap_or_default();
+    let failure = recorder.finish(&result, reason).map_err(CliError::Output)?;
     let is_interrupted = matches!(&result, Err((Failure { cause: Cause::Interrupted, .. }, _)));
     let (Ok(report) | Err((_, report))) = result;
     if !arguments.no_report {
@@ -130,7 +140,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             ));
             return Ok(Outcome::Interrupted);
         }
-        error::say(&format!("error: {failure}\n  what was computed so far is in {place}"));
+        error::say(&format!("error: {failure}{advice}\n  what was computed so far is in {place}"));
         return Ok(Outcome::NotConverged);
     }
     progress.line(&format!(
@@ -152,7 +162,12 @@ fn follow(
 ) -> Result<PathReport, (Failure, PathReport)> {
     let unable = |error: String| {
         let attempted_kpa = pressures.first().copied().unwrap_or(0.0);
-        let failure = Failure { reached_kpa: 0.0, attempted_kpa, cause: Cause::SingularTangent(error) };
+        let failure = Failure {
+            reached_kpa: 0.0,
+            attempted_kpa,
+            cause: Cause::SingularTangent(error),
+            stability: Stability::default(),
+        };
         (failure, PathReport { iterations: 0, timing: Timing::default() })
     };
     let mut path = Path::new(problem, settings, observer).map_err(|e| unable(e.to_string()))?;

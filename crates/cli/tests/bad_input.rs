@@ -63,6 +63,46 @@ fn unknown_key_with_a_suggestion() {
     refused("table", replace("[load]", "[loads]"), &[], &[&place, "unknown key `loads`", "did you mean `load`?"]);
 }
 
+/// Misspelt, missing, misplaced, of the wrong type and out of range: everything is said, in the order of the file, underlined.
+#[test]
+fn all_problems_are_said_at_once() {
+    let scratch = Scratch::new("all");
+    assert_eq!(scratch.run(&["new", "two-chamber", "case.toml"]).code, 0);
+    let mut text = fs::read_to_string(scratch.path("case.toml")).unwrap();
+    for (from, to) in [
+        ("gap = 2.0", "gpa = 2.0"),
+        ("width = 20.0", ""),
+        ("side_wall = 1.0", "side_wall = \"thin\""),
+        ("top_wall = 1.0", "top_wall = -1.0"),
+        ("c10 = 0.2712", "c10 = 0.0\ncolour = \"red\""),
+        ("[5, 15, 25, 35, 50]", "[5, 4]"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    fs::write(scratch.path("case.toml"), &text).unwrap();
+    let ended = scratch.run(&["run", "case.toml"]);
+    assert_eq!(ended.code, 2, "{ended:?}");
+    let errors: Vec<&str> = ended.err.lines().filter(|line| line.starts_with("error:")).collect();
+    let expected = [
+        "`actuator.width` is missing",
+        "unknown key `actuator.gpa`",
+        "actuator.side_wall: wrong type",
+        "actuator.top_wall = -1",
+        "material.c10 = 0.0",
+        "unknown key `material.colour`",
+        "load.pressure_kpa",
+    ];
+    assert_eq!(errors.len(), expected.len(), "{}", ended.err);
+    for (error, words) in errors.iter().zip(expected) {
+        assert!(error.contains(words), "`{words}` is not in: {error}");
+    }
+    let underlined = ended.err.lines().skip_while(|line| !line.contains("| top_wall = -1.0")).nth(1).unwrap();
+    assert_eq!(underlined.split_once("| ").unwrap().1, "^^^^^^^^^^^^^^^", "{}", ended.err);
+    assert!(ended.err.contains("did you mean `gap`?"), "{}", ended.err);
+    assert_eq!(scratch.listing(), ["case.toml"]);
+}
+
 #[test]
 fn negative_thickness() {
     let place = line_of("side_wall");
