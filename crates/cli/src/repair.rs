@@ -82,7 +82,7 @@ fn parent_of<'d, 'i>(document: &'d mut DeTable<'i>, path: &str) -> Option<(&'d m
         for index in pieces {
             let index: usize = index.strip_suffix(']')?.parse().ok()?;
             let DeValue::Array(entries) = value else { return None };
-            value = entries.iter_mut().nth(index)?.get_mut();
+            value = entries.get_mut(index)?.get_mut();
         }
         let DeValue::Table(inner) = value else { return None };
         table = inner;
