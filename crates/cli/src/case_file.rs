@@ -6,7 +6,8 @@
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.
 
-use std::fs;
+use std::fs::File;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,9 @@ use crate::suggest;
 
 /// Problems of a file that are said at the most.
 const MOST_PROBLEMS: usize = 30;
+
+/// Bytes that a case file may have.
+const MAX_BYTES: u64 = 1_000_000;
 
 /// A case together with where its values come from.
 #[derive(Debug)]
@@ -59,7 +63,11 @@ impl CaseFile {
     /// # Errors
     /// A file that cannot be read, is not UTF-8 or not TOML; every unknown, missing or misplaced key and every value out of range.
     pub fn load(path: &Path, changes: &[String]) -> Result<Self, Vec<InputError>> {
-        let text = read(path)?;
+        Self::from_text(path, read(path)?, changes)
+    }
+
+    /// The same from the file's text.
+    fn from_text(path: &Path, text: String, changes: &[String]) -> Result<Self, Vec<InputError>> {
         let mut sources = Sources { texts: vec![Text { name: path.display().to_string(), start: 0, text }] };
         for change in changes {
             sources.push_change(change)?;
@@ -114,6 +122,7 @@ fn deserialize(
             Ok(case) => {
                 let problems = case.problems();
                 let said = problems.iter().filter(|problem| !repairs.touch(&problem.key));
+                let said = said.take(MOST_PROBLEMS - errors.len());
                 errors.extend(said.map(|problem| {
                     InputError::new(problem.to_string()).at(Some(place_of(&problem.key, sources, keys)))
                 }));
@@ -179,7 +188,13 @@ impl Sources {
 }
 
 fn read(path: &Path) -> Result<String, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::file(path, format!("cannot be read: {e}")))?;
+    let cannot = |e: io::Error| InputError::file(path, format!("cannot be read: {e}"));
+    let mut bytes = Vec::new();
+    File::open(path).map_err(cannot)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let help = "a case file is a short text; is this another kind of file?".to_owned();
+        return Err(InputError::file(path, "is larger than 1 MB, which no case file may be").help(Some(help)));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
@@ -316,3 +331,6 @@ fn plain_types(message: &str) -> String {
         None => text,
     }
 }
+
+#[cfg(test)]
+mod fuzz;

@@ -7,6 +7,12 @@ use std::path::Path;
 
 use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
 
+/// Bytes of a message, which may repeat what a file says.
+const LONGEST_MESSAGE: usize = 1000;
+
+/// Characters of a line that is shown, before and after the beginning of what is wrong in it.
+const LINE_SHOWN: usize = 100;
+
 /// An error of the program.
 #[derive(Debug)]
 pub enum CliError {
@@ -51,19 +57,31 @@ impl Place {
         self.name.starts_with("--set")
     }
 
-    /// The line with the place underlined.
+    /// The line with the place underlined; of a very long line, what is around the place.
     fn excerpt(&self) -> String {
         let text = self.source.inner();
         let start = text[..self.span.start].rfind('\n').map_or(0, |end| end + 1);
         let end = text[self.span.start..].find('\n').map_or(text.len(), |length| self.span.start + length);
         let number = self.line.to_string();
         let blank = " ".repeat(number.len());
+        let mut before: Vec<char> = text[start..self.span.start].chars().rev().take(LINE_SHOWN).collect();
+        before.reverse();
+        let after: String = text[self.span.start..end].chars().take(LINE_SHOWN).collect();
+        let marked = text[self.span.start..self.span.end.clamp(self.span.start, end)].chars().take(LINE_SHOWN).count();
         // Tabs keep their width in the line below.
-        let before: String = text[start..self.span.start].chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        let marked = text[self.span.start..self.span.end.clamp(self.span.start, end)].chars().count().max(1);
-        let line = text[start..end].trim_end();
-        format!("  {number} | {line}\n  {blank} | {before}{}", "^".repeat(marked))
+        let below: String = before.iter().map(|c| if *c == '\t' { '\t' } else { ' ' }).collect();
+        let line: String = before.into_iter().collect::<String>() + after.trim_end();
+        format!("  {number} | {line}\n  {blank} | {below}{}", "^".repeat(marked.max(1)))
     }
+}
+
+/// A text of no more than about so many bytes: what is too much is left out in the middle.
+fn shortened(text: String, most: usize) -> String {
+    if text.len() <= most {
+        return text;
+    }
+    let (head, tail) = (floor_char(&text, most / 2), floor_char(&text, text.len() - most / 2));
+    format!("{} […] {}", &text[..head], &text[tail..])
 }
 
 /// The largest character boundary of `text` that is not beyond `index`.
@@ -74,7 +92,7 @@ fn floor_char(text: &str, index: usize) -> usize {
 impl InputError {
     /// An error that belongs to no place in a file.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, place: None }
+        Self { message: shortened(message.into(), LONGEST_MESSAGE), help: None, place: None }
     }
 
     /// An error about a file as a whole.

@@ -7,6 +7,9 @@ use pneuflex_model::Case;
 
 use crate::error::InputError;
 
+/// Memory that meshing takes for every cell of the grid around the body, air and gaps included.
+const GRID_BYTES: f64 = 41.0;
+
 /// Size of a case as far as it is known from its lengths alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -40,7 +43,8 @@ impl Estimate {
         };
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
         let elements = cells * kind.elements_per_cell() as f64;
-        Self { elements, unknowns, bytes: bytes(kind, case.actuator.chambers, unknowns) }
+        let grid = GRID_BYTES * case.actuator.estimate_grid(size);
+        Self { elements, unknowns, bytes: bytes(kind, case.actuator.chambers, unknowns) + grid }
     }
 
     /// Estimates a case whose mesh has the given numbers of elements and unknowns.
@@ -57,22 +61,24 @@ impl Estimate {
         if self.elements < 1.0 {
             return Err(InputError::new("the lengths of [actuator] differ too much to be meshed together"));
         }
-        let Some(available) = available() else { return Ok(None) };
+        let available = available();
+        // An estimate that is no number or infinite is too large also for a machine that does not say what it has.
+        let fits = self.bytes.is_finite() && available.is_none_or(|bytes| self.bytes <= bytes);
         let text = format!(
-            "{} elements and {} unknowns need about {}, {} are available",
+            "{} elements and {} unknowns need about {}{}",
             count(self.elements),
             count(self.unknowns),
             size(self.bytes),
-            size(available)
+            available.map_or(String::new(), |bytes| format!(", {} are available", size(bytes)))
         );
-        // A not-a-number or infinite estimate is refused too.
-        let fits = self.bytes <= available;
-        if !fits && !force {
-            let help =
-                "choose a coarser mesh.resolution or a larger mesh.size, or --force to try all the same".to_owned();
+        let can_be_numbered = self.unknowns < 3.0 * f64::from(u32::MAX);
+        let may_try = force && can_be_numbered;
+        if !fits && !may_try {
+            let or_force = if can_be_numbered { ", or --force to try all the same" } else { "" };
+            let help = format!("choose a coarser mesh.resolution or a larger mesh.size{or_force}");
             return Err(InputError::new(format!("this case will not fit in memory: {text}")).help(Some(help)));
         }
-        let is_large = !fits || self.bytes > 0.5 * available || self.elements >= 1e6;
+        let is_large = !fits || available.is_some_and(|bytes| self.bytes > 0.5 * bytes) || self.elements >= 1e6;
         Ok(is_large.then(|| format!("this is a large case: {text}")))
     }
 }

@@ -330,6 +330,12 @@ impl Actuator {
         }
         solid
     }
+
+    /// Number of lattice cells of the body's bounding box, of which meshing keeps account.
+    pub fn estimate_grid(&self, size: &MeshSize) -> f64 {
+        let along = |(d, intervals): (usize, &Vec<Interval>)| intervals.iter().map(|i| size.cells(i, d)).sum::<f64>();
+        self.intervals().iter().enumerate().map(along).product()
+    }
 }
 
 /// Turns break planes into non-empty intervals.
@@ -414,6 +420,14 @@ mod tests {
 
     fn size(h: f64) -> MeshSize {
         MeshSize::uniform(h)
+    }
+
+    #[test]
+    fn the_grid_is_the_whole_box() {
+        let half = Actuator::two_chambers();
+        assert_eq!(half.estimate_grid(&size(1.0)), 18.0 * 10.0 * 13.0);
+        let whole = Actuator { part: Part::Whole, ..half };
+        assert_eq!(whole.estimate_grid(&size(0.5)), 36.0 * 40.0 * 26.0);
     }
 
     /// Volume enclosed by a facet set and the planes that cut it: ∮ x n_x dS over the facets.

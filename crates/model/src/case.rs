@@ -1,5 +1,6 @@
 //! The case file: one struct per table, with defaults and range checks.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use pneuflex_mesh::{Actuator, ElementKind, GeometryError, MeshSize};
@@ -442,8 +443,9 @@ impl Case {
             let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
             found.add("load.pressure_kpa", pressures, allowed);
         }
+        let mut names = BTreeSet::new();
         for (i, probe) in self.probes.iter().enumerate() {
-            if probe.name.is_empty() || self.probes[..i].iter().any(|other| other.name == probe.name) {
+            if probe.name.is_empty() || !names.insert(&probe.name) {
                 let allowed = "must be non-empty and different for every probe";
                 found.add(&format!("probe[{i}].name"), &probe.name, allowed);
             }
