@@ -17,7 +17,7 @@ tasks:
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
   corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
-            [--count N] [--seed S] [--limit SECONDS] [--jobs N] [--only NUMBERS]
+            [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
   report-test [RESULT_DIR]
             open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
             target/report-test

@@ -267,6 +267,9 @@ impl<'a> Path<'a> {
                         approach.step_kpa = 0.5 * (attempted - start);
                     }
                     if cause == Cause::Interrupted || approach.step_kpa < self.settings.min_step_kpa {
+                        if cause != Cause::Interrupted {
+                            self.confirm();
+                        }
                         let stability = self.stability;
                         return Err(Failure { reached_kpa: start, attempted_kpa: attempted, cause, stability });
                     }
@@ -274,6 +277,26 @@ impl<'a> Path<'a> {
             }
         }
         Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
+    }
+
+    /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, so that what is said of its stability does
+    /// not come from what was left of the residual.
+    fn confirm(&mut self) {
+        if self.state.pressure_kpa <= 0.0 {
+            return;
+        }
+        let u = self.state.displacement.clone();
+        self.system.carry_pressures(&u);
+        match self.newton(self.state.pressure_kpa, u, None, Target::Requested) {
+            Ok(converged) => {
+                self.stability.negative_pivots = 0;
+                self.state = converged.state;
+            }
+            Err(Cause::IndefiniteTangent { negative_pivots }) => self.stability.negative_pivots = negative_pivots,
+            // Nothing new is known.
+            Err(_) => {}
+        }
+        self.has_factor = false;
     }
 
     /// [`Self::advance_to`], and tells the observer.

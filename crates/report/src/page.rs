@@ -228,8 +228,10 @@ mod tests {
         let html = page("t", |summary| {
             summary["status"] = "not-converged".into();
             summary["failure"] = "the load step became too small".into();
+            summary["failure_reason"] = json!({"kind": "not-converged", "advice": "try smaller steps"});
         });
         let (before, _) = html.split_once("<main>").unwrap();
+        assert!(before.contains("try smaller steps."));
         assert!(before.contains("The run did not converge") && before.contains("the load step became too small"));
         assert!(!page("t", |_| ()).contains("class=\"notice failure\""));
     }

@@ -18,6 +18,9 @@ pub struct Summary {
     /// Why the run ended early.
     #[serde(default)]
     pub failure: Option<String>,
+    /// What to try against it.
+    #[serde(default)]
+    pub failure_reason: Option<Reason>,
     /// Size of the mesh.
     pub mesh: MeshSize,
     /// Where the probes sit, by their names.
@@ -123,6 +126,14 @@ pub struct Timing {
     /// The whole run.
     #[serde(default)]
     pub total_s: f64,
+}
+
+/// Why a run ended early; the words are those of [`Summary::failure`].
+#[derive(Clone, Debug, Deserialize)]
+pub struct Reason {
+    /// What to try.
+    #[serde(default)]
+    pub advice: String,
 }
 
 /// Something to be careful about.

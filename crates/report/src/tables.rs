@@ -17,6 +17,7 @@ pub fn notices(summary: &Summary) -> Markup {
             section .notice .failure role="alert" {
                 h2 { (status_text(summary)) }
                 @if let Some(failure) = &summary.failure { p { (failure) } }
+                @if let Some(reason) = &summary.failure_reason { p { "What to try: " (reason.advice) "." } }
                 @match reached {
                     Some(pressure) => p { "Everything below shows what was reached, up to " strong { (number(pressure)) " kPa" } "." },
                     None => p { "No pressure was reached: there is nothing to show but the actuator at rest." },

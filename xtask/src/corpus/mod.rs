@@ -1,4 +1,5 @@
-//! `cargo xtask corpus`: random designs through the real program; how many converge or end for a physical reason.
+//! `cargo xtask corpus`: random designs, or the case files of a folder, through the real program; how many converge or end for a
+//! physical reason.
 
 mod design;
 mod outcome;
@@ -26,11 +27,18 @@ struct Arguments {
     limit: Duration,
     jobs: usize,
     only: Vec<usize>,
+    cases: Option<PathBuf>,
 }
 
-/// A design's run.
+/// A case to be run.
+struct Job {
+    name: String,
+    text: String,
+}
+
+/// A case's run.
 struct Record {
-    number: usize,
+    name: String,
     outcome: Outcome,
     seconds: f64,
     iterations: u64,
@@ -49,7 +57,8 @@ pub fn run(arguments: &[String]) -> ExitCode {
 
 fn parse(arguments: &[String]) -> Result<Arguments, String> {
     let jobs = thread::available_parallelism().map_or(1, usize::from);
-    let mut parsed = Arguments { count: 200, seed: 1, limit: Duration::from_secs(300), jobs, only: Vec::new() };
+    let mut parsed =
+        Arguments { count: 200, seed: 1, limit: Duration::from_secs(300), jobs, only: Vec::new(), cases: None };
     let mut rest = arguments.iter();
     while let Some(name) = rest.next() {
         let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;
@@ -59,6 +68,7 @@ fn parse(arguments: &[String]) -> Result<Arguments, String> {
             "--seed" => parsed.seed = number()?,
             "--limit" => parsed.limit = Duration::from_secs(number()?),
             "--jobs" => parsed.jobs = number()?.clamp(1, 1000) as usize,
+            "--cases" => parsed.cases = Some(PathBuf::from(value)),
             "--only" => {
                 let numbers =
                     value.split(',').map(|n| n.parse().map_err(|_| format!("--only {value}: expected numbers")));
@@ -74,19 +84,21 @@ fn parse(arguments: &[String]) -> Result<Arguments, String> {
 fn corpus(arguments: &Arguments) -> Result<bool, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let program = program::build(&root)?;
-    let folder = program::target_folder(&root).join("corpus").join(format!("seed_{}", arguments.seed));
+    let (jobs, part) = match &arguments.cases {
+        Some(cases) => (case_files(cases)?, "cases".to_owned()),
+        None => (designs(arguments), format!("seed_{}", arguments.seed)),
+    };
+    let folder = program::target_folder(&root).join("corpus").join(part);
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let wanted = |design: &Design| arguments.only.is_empty() || arguments.only.contains(&design.number);
-    let designs: Vec<Design> = latin_hypercube(arguments.count, arguments.seed).into_iter().filter(wanted).collect();
-    println!("{} designs of seed {}, in {}", designs.len(), arguments.seed, folder.display());
+    println!("{} cases, in {}", jobs.len(), folder.display());
 
     let next = AtomicUsize::new(0);
     let records = Mutex::new(Vec::new());
     thread::scope(|scope| {
         for _ in 0..arguments.jobs {
             scope.spawn(|| {
-                while let Some(design) = designs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let record = try_design(&program, &folder, design, arguments.limit);
+                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let record = try_case(&program, &folder, job, arguments.limit);
                     println!("{}", line(&record));
                     if let Ok(mut records) = records.lock() {
                         records.push(record);
@@ -96,18 +108,41 @@ fn corpus(arguments: &Arguments) -> Result<bool, String> {
         }
     });
     let mut records = records.into_inner().map_err(|_| "a worker has ended early".to_owned())?;
-    records.sort_by_key(|record| record.number);
+    records.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(report(&records))
 }
 
+/// The designs asked for.
+fn designs(arguments: &Arguments) -> Vec<Job> {
+    let wanted = |design: &Design| arguments.only.is_empty() || arguments.only.contains(&design.number);
+    let all = latin_hypercube(arguments.count, arguments.seed);
+    let job = |design: Design| Job { name: format!("design_{:03}", design.number), text: design.case() };
+    all.into_iter().filter(wanted).map(job).collect()
+}
+
+/// The case files of a folder.
+fn case_files(folder: &Path) -> Result<Vec<Job>, String> {
+    let words = |e: std::io::Error| format!("{}: {e}", folder.display());
+    let mut jobs = Vec::new();
+    for entry in fs::read_dir(folder).map_err(words)? {
+        let path = entry.map_err(words)?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            jobs.push(Job { name, text: fs::read_to_string(&path).map_err(words)? });
+        }
+    }
+    jobs.sort_by(|a, b| a.name.cmp(&b.name));
+    if jobs.is_empty() { Err(format!("{}: no case files", folder.display())) } else { Ok(jobs) }
+}
+
 fn line(record: &Record) -> String {
-    let Record { number, outcome, seconds, iterations } = record;
+    let Record { name, outcome, seconds, iterations } = record;
     let outcome = match outcome {
         Outcome::Converged => "converged".to_owned(),
         Outcome::Physical(kind) => format!("ended: {kind}"),
         Outcome::Failed(what) => format!("FAILED: {what}"),
     };
-    format!("{number:5}  {seconds:6.1} s  {iterations:4} iterations  {outcome}")
+    format!("{name:>12}  {seconds:6.1} s  {iterations:4} iterations  {outcome}")
 }
 
 /// Prints the counts; whether the bar is met.
@@ -128,7 +163,7 @@ fn report(records: &[Record]) -> bool {
     let failed: Vec<String> = records
         .iter()
         .filter(|record| matches!(record.outcome, Outcome::Failed(_)))
-        .map(|record| record.number.to_string())
+        .map(|record| record.name.trim_start_matches("design_").to_owned())
         .collect();
     if !failed.is_empty() {
         println!("failed: {}", failed.join(","));
@@ -147,17 +182,16 @@ fn report(records: &[Record]) -> bool {
     rate >= BAR
 }
 
-fn try_design(program: &Path, folder: &Path, design: &Design, limit: Duration) -> Record {
+fn try_case(program: &Path, folder: &Path, job: &Job, limit: Duration) -> Record {
     let began = Instant::now();
-    let text = design.case();
-    let remains = run_case(program, &folder.join(format!("design_{:03}", design.number)), &text, limit);
+    let remains = run_case(program, &folder.join(&job.name), &job.text, limit);
     let summary: serde_json::Value = remains
         .as_ref()
         .ok()
         .and_then(|remains| serde_json::from_str(remains.summary.as_deref()?).ok())
         .unwrap_or_default();
     Record {
-        number: design.number,
+        name: job.name.clone(),
         outcome: remains.map_or_else(Outcome::Failed, |remains| judge(&remains)),
         seconds: began.elapsed().as_secs_f64(),
         iterations: summary["iterations_total"].as_u64().unwrap_or(0),
@@ -175,7 +209,7 @@ fn run_case(program: &Path, stem: &Path, text: &str, limit: Duration) -> Result<
     // An older summary must not be taken for this run's.
     let _ = fs::remove_file(out.join("summary.json"));
     let mut child = Command::new(program)
-        .args(["run", "--threads", "1", "--out"])
+        .args(["run", "--threads", "1", "--no-report", "--out"])
         .args([&out, &file])
         .stdout(Stdio::null())
         .stderr(log)
