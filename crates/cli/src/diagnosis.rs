@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.1;
 
-/// An equilibrium that moves this much more per pressure than the body at rest is at a limit point.
+/// A body that somewhere stretches this much more per pressure than at rest is at a limit point.
 const LIMIT_POINT: f64 = 10.0;
 
 /// Why a run ended early.
@@ -33,7 +33,7 @@ pub enum ReasonKind {
     MaterialLimit,
     /// The equilibrium becomes unstable: buckling, ballooning, snap-through.
     Instability,
-    /// Contact does not settle, or walls are driven through each other.
+    /// Contact does not settle: walls touch and part in turn.
     WallsCross,
     /// Newton's method does not converge for a reason that was not found.
     NotConverged,
@@ -74,7 +74,8 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
     if *cause == Cause::Interrupted {
         return None;
     }
-    if let Some(message) = material_gives_way(problem, displacement) {
+    let is_chatter = matches!(cause, Cause::ContactChatter { .. });
+    if let Some(message) = material_gives_way(problem, displacement).filter(|_| !is_chatter) {
         return Some(Reason {
             kind: ReasonKind::MaterialLimit,
             is_physical: true,
@@ -89,7 +90,7 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
         let motion = if stability.negative_pivots > 0 {
             "small disturbances make it buckle or snap".to_owned()
         } else {
-            format!("it moves {:.0} times as much per kPa as at rest", stability.softening)
+            format!("some part stretches {:.0} times as much per kPa as at rest", stability.softening)
         };
         return Some(Reason {
             kind: ReasonKind::Instability,
@@ -102,7 +103,7 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
                 .into(),
         });
     }
-    if let Cause::ContactChatter { .. } = cause {
+    if is_chatter {
         return Some(Reason {
             kind: ReasonKind::WallsCross,
             is_physical: false,
@@ -182,8 +183,8 @@ pub fn warnings(case: &Case, steps: &[&StepSummary]) -> Vec<Warning> {
 fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
     let advice = "use mesh.resolution = \"standard\" or \"fine\" before relying on numbers; `pneuflex converge` gives error bars";
     let mesh = &case.mesh;
-    if mesh.resolution == Some(Resolution::Draft) {
-        let message = "the draft mesh is for trying things out: expect errors of 1 % and more in displacements, and larger ones in stresses";
+    if mesh.resolution == Some(Resolution::Draft) && mesh.size.is_none() && mesh.edge_size.is_none() {
+        let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
         return Some((message.into(), advice));
     }
     let is_linear = matches!(mesh.formulation(), Formulation::Hex8Sri | Formulation::Hex8Q1p0);

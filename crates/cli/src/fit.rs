@@ -108,8 +108,10 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     folder.write("fit.svg", &svg).map_err(CliError::Output)?;
     let png = drawing.to_png(2.0).map_err(|e| CliError::Output(format!("fit.png: {e}")))?;
     folder.write("fit.png", &png).map_err(CliError::Output)?;
-    if let Some(snippet) = &snippet {
-        folder.write("material.toml", snippet).map_err(CliError::Output)?;
+    match &snippet {
+        Some(snippet) => folder.write("material.toml", snippet).map_err(CliError::Output)?,
+        // One of an earlier fit would look like this one's.
+        None => folder.remove("material.toml"),
     }
     print(arguments, &files, &tests, &fits, &not_fitted, largest, snippet.as_deref());
     match snippet {

@@ -13,8 +13,12 @@ use crate::view::REPORT;
 /// First words of a resolved case file, by which an output folder is recognised.
 pub const CASE_MARK: &str = "# pneuflex";
 
-/// The files of a run besides its fields.
-const RESULTS: [&str; 5] = ["summary.json", "history.jsonl", "case.toml", "checkpoint.bin", REPORT];
+/// The files of a run besides its fields, but `case.toml`, which stays until it is replaced: by it the folder is known as ours, even after
+/// a kill in between.
+const RESULTS: [&str; 4] = ["summary.json", "history.jsonl", "checkpoint.bin", REPORT];
+
+/// File by which it is found out whether a folder can be written to.
+const TRIAL: &str = ".pneuflex-trial";
 
 /// File by which runs keep out of each other's way where a folder cannot be locked. The system forgets the lock when its owner
 /// ends, however it ends.
@@ -37,7 +41,7 @@ impl OutputFolder {
         let problem = |what: &str, error: io::Error| refused(path, format!("{what}: {error}"));
         if path.is_dir() {
             let mut entries = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.flatten();
-            if entries.any(|entry| entry.file_name() != LOCK) && !is_ours(path) {
+            if entries.any(|entry| !is_leftover(&entry.file_name().to_string_lossy())) && !is_ours(path) {
                 return Err(InputError::file(path, "the folder holds files that are no results of pneuflex")
                     .help(Some("choose another folder with --out; nothing was touched".into())));
             }
@@ -55,7 +59,7 @@ impl OutputFolder {
             return Err(refused(path, "the output folder's name is taken by a file"));
         }
         fs::create_dir_all(path).map_err(|e| problem("the output folder cannot be created", e))?;
-        let trial = path.join(".pneuflex-trial");
+        let trial = path.join(TRIAL);
         let not_writable = |e| problem("the output folder is not writable", e);
         fs::write(&trial, "trial").map_err(not_writable)?;
         fs::remove_file(&trial).map_err(not_writable)?;
@@ -137,6 +141,11 @@ impl OutputFolder {
         fs::read(self.path.join(name)).ok()
     }
 
+    /// Removes a file of the folder if it is there.
+    pub fn remove(&self, name: &str) {
+        let _ = fs::remove_file(self.path.join(name));
+    }
+
     /// Opens a file of the folder for writing line by line after its first `keep` bytes.
     ///
     /// # Errors
@@ -169,6 +178,11 @@ impl OutputFolder {
 
 fn refused(path: &Path, why: impl Display) -> InputError {
     InputError::file(path, why).help(Some("choose another folder with --out".into()))
+}
+
+/// Whether a file may be left of a run that was killed before it had written anything.
+fn is_leftover(name: &str) -> bool {
+    name == LOCK || name == TRIAL || name.ends_with(".part")
 }
 
 /// Whether a folder holds results of this program.

@@ -115,10 +115,11 @@ impl<'a> Recorder<'a> {
         let header = format!("{CASE_MARK} {}: the case as it was solved, with every default\n\n", summary.version);
         folder.write("case.toml", header + &resolved)?;
         let history = folder.append("history.jsonl", recorded.history_bytes)?;
+        let length = history.metadata().map_err(|e| folder.cannot_write("history.jsonl", &e))?.len();
         let mut recorder = Self {
             folder,
             history,
-            history_bytes: recorded.history_bytes,
+            history_bytes: recorded.history_bytes.min(length),
             case,
             problem,
             summary,
@@ -171,7 +172,9 @@ impl<'a> Recorder<'a> {
         };
         let steps = self.summary.steps.iter().filter_map(landed).collect();
         let recorded = Recorded { steps, history_bytes: self.history_bytes, output_s: self.summary.timing.output_s };
-        let written = checkpoint::store(&self.folder, &recorded, path);
+        // The checkpoint counts on the history's lines.
+        let synced = self.history.sync_data().map_err(|e| self.folder.cannot_write("history.jsonl", &e));
+        let written = synced.and_then(|()| checkpoint::store(&self.folder, &recorded, path));
         self.summary.timing.output_s += began.elapsed().as_secs_f64();
         self.keep(written);
     }
@@ -229,7 +232,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// The first thing that could not be recorded.
     pub fn finish(
-        mut self,
+        &mut self,
         result: &Result<PathReport, (Failure, PathReport)>,
         reason: Option<Reason>,
     ) -> Result<Option<String>, String> {
@@ -241,27 +244,30 @@ impl<'a> Recorder<'a> {
         self.summary.iterations_total = report.iterations;
         let reached = self.summary.steps.len();
         let missed = self.case.load.pressure_kpa.get(reached).copied();
-        self.summary.failure = match (failure, &self.error, missed) {
-            (Some(failure), _, _) => Some(match &reason {
+        // A path that was stopped because of an error has not been interrupted by anybody.
+        self.summary.failure = match (&self.error, failure, missed) {
+            (Some(error), _, _) => Some(error.clone()),
+            (None, Some(failure), _) => Some(match &reason {
                 Some(reason) => format!("not converged: {}", reason.message),
                 None => failure.to_string(),
             }),
-            (None, Some(error), _) => Some(error.clone()),
             (None, None, Some(pressure)) => Some(format!("{pressure} kPa was not reached")),
             (None, None, None) => None,
         };
         self.summary.failure_reason = reason;
         self.summary.status = match (&self.summary.failure, failure) {
             (None, _) => Status::Converged,
-            (_, Some(Failure { cause: Cause::Interrupted, .. })) => Status::Interrupted,
+            (_, Some(Failure { cause: Cause::Interrupted, .. })) if self.error.is_none() => Status::Interrupted,
             _ => Status::NotConverged,
         };
-        if let Some(pressure_kpa) = missed.filter(|_| self.summary.status == Status::NotConverged) {
+        if let Some(pressure_kpa) =
+            missed.filter(|_| self.summary.status == Status::NotConverged && self.error.is_none())
+        {
             self.summary.steps.push(Step::Failed { pressure_kpa, converged: false, iterations: self.open_iterations });
         }
         let written = self.write_summary();
         self.keep(written);
-        self.error.map_or(Ok(self.summary.failure), Err)
+        self.error.clone().map_or(Ok(self.summary.failure.clone()), Err)
     }
 
     /// The folder written to.

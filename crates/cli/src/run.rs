@@ -41,7 +41,7 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), InputError> {
 }
 
 /// Writes the run's report; a report that cannot be written is no failure of the run.
-fn report_or_warn(folder: &std::path::Path, progress: &mut Progress) {
+fn report_or_warn(folder: &OutputFolder, progress: &mut Progress) {
     match view::write_report(folder) {
         Ok(path) => progress.line(&format!("report: {}", path.display())),
         Err(error) => error::say(&format!("warning: there is no report: {}", error.message())),
@@ -129,7 +129,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let is_interrupted = matches!(&result, Err((Failure { cause: Cause::Interrupted, .. }, _)));
     let (Ok(report) | Err((_, report))) = result;
     if !arguments.no_report {
-        report_or_warn(&folder, &mut progress);
+        report_or_warn(recorder.folder(), &mut progress);
     }
     if let Some(failure) = failure {
         // Said even when quiet: it is the reason for the exit code.

@@ -27,16 +27,25 @@ const FEW_NODES: f64 = 1e4;
 /// # Errors
 /// A folder that is none of this program's, files that are missing or damaged, a report that cannot be written.
 pub fn view(arguments: &ViewArguments) -> Result<(), CliError> {
-    let path = write_report(&arguments.results)?;
-    say(&format!("wrote {}", path.display()));
+    // First what can fail without a trace: a folder that is none of ours is not touched.
+    let page = page(&arguments.results)?;
+    let folder = OutputFolder::to_add_to(&arguments.results)?;
+    folder.write(REPORT, page).map_err(CliError::Output)?;
+    say(&format!("wrote {}", folder.path().join(REPORT).display()));
     Ok(())
 }
 
-/// Writes the report of a result folder; returns its path.
+/// Writes the report of a run's folder; returns its path.
 ///
 /// # Errors
 /// As for [`view`].
-pub fn write_report(folder: &Path) -> Result<PathBuf, CliError> {
+pub fn write_report(folder: &OutputFolder) -> Result<PathBuf, CliError> {
+    folder.write(REPORT, page(folder.path())?).map_err(CliError::Output)?;
+    Ok(folder.path().join(REPORT))
+}
+
+/// The text of the report of a result folder.
+fn page(folder: &Path) -> Result<String, CliError> {
     let summary = read_summary(folder)?;
     let case_path = folder.join("case.toml");
     let file = CaseFile::load(&case_path, &[])?;
@@ -50,9 +59,7 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, CliError> {
     let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
     let states = read_states(folder, &file.case, &problem, &summary)?;
     let report = Report { case: &file.case, problem: &problem, summary: &summary, states: states.as_deref() };
-    let page = render(&report).map_err(|e| InputError::file(folder, e))?;
-    OutputFolder::to_add_to(folder)?.write(REPORT, &page).map_err(CliError::Output)?;
-    Ok(folder.join(REPORT))
+    Ok(render(&report).map_err(|e| InputError::file(folder, e))?)
 }
 
 fn read_summary(folder: &Path) -> Result<Summary, InputError> {

@@ -161,6 +161,11 @@ fn what_a_run_was_begun_with_may_not_change_but_it_may_go_further() {
     assert!(other.code == 2 && other.err.contains("material.c10 was 0.2712 and is 0.2"), "{other:?}");
     let less = resume(&["load.pressure_kpa=[7, 10]"]);
     assert!(less.code == 2 && less.err.contains("load.pressure_kpa"), "{less:?}");
+    let other_fields = resume(&["load.pressure_kpa=[5, 10, 15]", "output.fields=false"]);
+    assert!(other_fields.code == 2 && other_fields.err.contains("output.fields"), "{other_fields:?}");
+    // 10 kPa is reached, though only its landing tells.
+    let past = resume(&["load.pressure_kpa=[5, 12]"]);
+    assert!(past.code == 2 && past.err.contains("load.pressure_kpa"), "{past:?}");
     let further = resume(&["load.pressure_kpa=[5, 10, 15]"]);
     assert_eq!(further.code, 0, "{further:?}");
     let steps = summary(&scratch, "out")["steps"].as_array().unwrap().len();
@@ -169,4 +174,9 @@ fn what_a_run_was_begun_with_may_not_change_but_it_may_go_further() {
     fs::write(scratch.path("out/checkpoint.bin"), "no checkpoint").unwrap();
     let damaged = resume(&["load.pressure_kpa=[5, 10, 15, 20]"]);
     assert!(damaged.code == 2 && damaged.err.contains("checkpoint.bin is damaged"), "{damaged:?}");
+    // Results are never thrown away for want of a checkpoint.
+    fs::remove_file(scratch.path("out/checkpoint.bin")).unwrap();
+    let missing = resume(&["load.pressure_kpa=[5, 10, 15, 20]"]);
+    assert!(missing.code == 2 && missing.err.contains("checkpoint.bin is missing"), "{missing:?}");
+    assert_eq!(summary(&scratch, "out")["steps"].as_array().unwrap().len(), 3);
 }

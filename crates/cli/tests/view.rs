@@ -52,8 +52,8 @@ fn without_fields_there_are_tables_and_plots_and_on_request_there_is_no_report()
 
 #[test]
 fn a_run_that_did_not_converge_has_a_report_that_says_so() {
-    // One large step with two iterations for it.
-    let hopeless = ["--set", "solver.max_iterations=2", "--set", "solver.min_step_kpa=2"];
+    // Far beyond what the body can bear, and too few steps to try.
+    let hopeless = ["--set", "load.pressure_kpa=[5, 100000]", "--set", "solver.min_step_kpa=10"];
     let (scratch, ended) = solved("view-failed", &hopeless);
     assert_eq!(ended.code, 3, "{ended:?}");
     let page = report(&scratch);

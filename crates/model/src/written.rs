@@ -82,7 +82,7 @@ impl From<Written> for Case {
         let Written { title, actuator, mesh, material, contact, load, probes, solver, output } = written;
         let bulk_modulus = material.bulk_modulus.unwrap_or_else(|| default_bulk_modulus(material.c10));
         let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.c10, &actuator));
-        let min_step_kpa = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load));
+        let min_step_kpa = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let solver =
             Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa };
@@ -117,10 +117,11 @@ fn default_stiffness(c10: f64, actuator: &Actuator) -> f64 {
 }
 
 /// Smallest load step, kPa: small beside the pressures of soft materials, too.
-fn default_min_step(load: &Load) -> f64 {
+fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
     let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
     let default = Solver::default().min_step_kpa;
-    if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default }
+    let small = if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default };
+    if max_step_kpa > 0.0 { small.min(max_step_kpa) } else { small }
 }
 
 /// To twelve digits: the paper's constants give the paper's numbers, not their neighbours.

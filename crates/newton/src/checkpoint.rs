@@ -26,7 +26,7 @@ pub struct Checkpoint {
     pub timing: Timing,
     /// How far the path is on its way to the next requested pressure.
     pub approach: Approach,
-    /// Largest displacement per pressure at the beginning of the path, mm/kPa.
+    /// Largest stretching per pressure at the beginning of the path, 1/kPa.
     pub first_rate: Option<f64>,
     /// Tangent whose factor predicts the next step.
     pub linearisation: Option<Linearisation>,

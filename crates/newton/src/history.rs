@@ -147,7 +147,7 @@ pub struct Failure {
 /// How firm an equilibrium is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stability {
-    /// Largest displacement per pressure there, relative to the one at the beginning of the path. It grows without limit
+    /// Largest stretching per pressure at any point, relative to the one at the beginning of the path. It grows without limit
     /// towards a limit point, beyond which there is no equilibrium at a higher pressure nearby.
     pub softening: f64,
     /// Negative pivots of the tangent there: the number of motions that would release energy.

@@ -85,7 +85,7 @@ pub struct Path<'a> {
     /// The way to the next requested pressure, if it has begun.
     approach: Option<Approach>,
     stability: Stability,
-    /// Largest displacement per pressure at the beginning, mm/kPa.
+    /// Largest stretching per pressure at the beginning, 1/kPa.
     first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
@@ -239,6 +239,7 @@ impl<'a> Path<'a> {
         };
         let fresh = Approach { step_kpa, load_steps: 0, iterations_before: self.iterations };
         let mut approach = self.approach.take().unwrap_or(fresh);
+        approach.step_kpa = approach.step_kpa.min(self.settings.max_step_kpa);
         while self.state.pressure_kpa < pressure_kpa {
             let start = self.state.pressure_kpa;
             // A last step that would leave a crumb takes it along.
@@ -246,6 +247,7 @@ impl<'a> Path<'a> {
             let wanted = if is_last { pressure_kpa } else { start + approach.step_kpa };
             self.step += 1;
             let mut attempted = wanted;
+            let had_factor = self.has_factor;
             match self.load_step(&mut attempted, pressure_kpa) {
                 Ok(converged) => {
                     approach.load_steps += 1;
@@ -265,6 +267,10 @@ impl<'a> Path<'a> {
                         });
                         self.has_factor = false;
                         approach.step_kpa = 0.5 * (attempted - start);
+                        if had_factor {
+                            // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
+                            approach.step_kpa = approach.step_kpa.max(self.settings.min_step_kpa);
+                        }
                     }
                     if cause == Cause::Interrupted || approach.step_kpa < self.settings.min_step_kpa {
                         if cause != Cause::Interrupted {
@@ -279,8 +285,8 @@ impl<'a> Path<'a> {
         Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
     }
 
-    /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, so that what is said of its stability does
-    /// not come from what was left of the residual.
+    /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
+    /// was left of the residual would speak of stability, too.
     fn confirm(&mut self) {
         if self.state.pressure_kpa <= 0.0 {
             return;
@@ -289,14 +295,29 @@ impl<'a> Path<'a> {
         self.system.carry_pressures(&u);
         match self.newton(self.state.pressure_kpa, u, None, Target::Requested) {
             Ok(converged) => {
-                self.stability.negative_pivots = 0;
                 self.state = converged.state;
+                // An equilibrium whose tangent is singular is as unstable as can be told.
+                let softening = self.softening().unwrap_or(f64::INFINITY);
+                self.stability = Stability { softening, negative_pivots: 0 };
             }
             Err(Cause::IndefiniteTangent { negative_pivots }) => self.stability.negative_pivots = negative_pivots,
             // Nothing new is known.
             Err(_) => {}
         }
         self.has_factor = false;
+    }
+
+    /// [`Stability::softening`] of the present equilibrium.
+    fn softening(&mut self) -> Result<f64, Cause> {
+        let (u, pressure) = (self.state.displacement.clone(), self.state.pressure_kpa);
+        let change = (1e-3 * pressure).max(self.settings.min_step_kpa);
+        self.system.carry_pressures(&u);
+        self.system.assemble(&u, pressure * MPA_PER_KPA, Request::Tangent)?;
+        self.system.factorize()?;
+        self.system.assemble(&u, (pressure + change) * MPA_PER_KPA, Request::Residual)?;
+        let correction = self.system.solve(None)?;
+        let rate = self.system.extent(&u, &correction).stretch / change;
+        Ok(self.first_rate.map_or(1.0, |first| rate / first))
     }
 
     /// [`Self::advance_to`], and tells the observer.
@@ -367,7 +388,7 @@ impl<'a> Path<'a> {
         if !self.has_factor {
             self.system.carry_pressures(&u);
             self.system.assemble(&u, start * MPA_PER_KPA, Request::Tangent)?;
-            self.stability.negative_pivots = self.system.factorize()?.negative;
+            self.system.factorize()?;
             self.iterations += 1;
             iterations = 1;
         }
@@ -376,11 +397,9 @@ impl<'a> Path<'a> {
         self.system.assemble(&u, wanted * MPA_PER_KPA, Request::Residual)?;
         let correction = self.system.solve(None)?;
         self.has_factor = false;
-        let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        let rate = largest / (wanted - start);
-        self.stability.softening = rate / *self.first_rate.get_or_insert(rate);
         let allowed = self.system.deepest_penetration(&u).max(DEEP);
         let extent = self.system.extent(&u, &correction);
+        self.first_rate.get_or_insert(extent.stretch / (wanted - start));
         let mut share = (GUESS.stretch / extent.stretch).min(GUESS.angle / extent.angle).min(1.0);
         let shortest = SHORTEST * share;
         loop {

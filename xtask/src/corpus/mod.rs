@@ -88,6 +88,9 @@ fn corpus(arguments: &Arguments) -> Result<bool, String> {
         Some(cases) => (case_files(cases)?, "cases".to_owned()),
         None => (designs(arguments), format!("seed_{}", arguments.seed)),
     };
+    if jobs.is_empty() {
+        return Err("no design has a number given with --only".to_owned());
+    }
     let folder = program::target_folder(&root).join("corpus").join(part);
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     println!("{} cases, in {}", jobs.len(), folder.display());

@@ -253,7 +253,8 @@ fn changed_templates_are_refused_or_described() {
         })
         .unwrap();
     let [refused, _, described] = fates.into_inner();
-    assert!(refused > 100 && described > 100, "{refused} refused, {described} described");
+    // About a hundred of each at least, by chance: neither branch is empty.
+    assert!(refused > 30 && described > 30, "{refused} refused, {described} described");
 }
 
 proptest! {
