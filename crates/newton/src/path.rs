@@ -527,7 +527,8 @@ impl<'a> Path<'a> {
                 continue;
             }
             last = now;
-            if target == Target::OnTheWay && largest < LOOSE {
+            // Small corrections of an unstable tangent lead away from the path.
+            if target == Target::OnTheWay && largest < LOOSE && negative_pivots == 0 {
                 self.has_factor = !is_stale;
                 return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
             }
