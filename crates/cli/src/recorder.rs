@@ -166,17 +166,21 @@ impl<'a> Recorder<'a> {
             return;
         }
         let began = Instant::now();
-        let landed = |step: &Step| match step {
-            Step::Landed(step) => Some((**step).clone()),
-            Step::Failed { .. } => None,
-        };
-        let steps = self.summary.steps.iter().filter_map(landed).collect();
+        let steps = self.landed_steps().cloned().collect();
         let recorded = Recorded { steps, history_bytes: self.history_bytes, output_s: self.summary.timing.output_s };
         // The checkpoint counts on the history's lines.
         let synced = self.history.sync_data().map_err(|e| self.folder.cannot_write("history.jsonl", &e));
         let written = synced.and_then(|()| checkpoint::store(&self.folder, &recorded, path));
         self.summary.timing.output_s += began.elapsed().as_secs_f64();
         self.keep(written);
+    }
+
+    /// The requested pressures that were reached.
+    fn landed_steps(&self) -> impl Iterator<Item = &StepSummary> {
+        self.summary.steps.iter().filter_map(|step| match step {
+            Step::Landed(step) => Some(&**step),
+            Step::Failed { .. } => None,
+        })
     }
 
     /// Whether something could not be recorded: there is no use in going on then.
@@ -276,12 +280,8 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_summary(&mut self) -> Result<(), String> {
-        let landed = |step: &'_ Step| match step {
-            Step::Landed(step) => Some((**step).clone()),
-            Step::Failed { .. } => None,
-        };
-        let steps: Vec<StepSummary> = self.summary.steps.iter().filter_map(landed).collect();
-        self.summary.warnings = warnings(self.case, &steps.iter().collect::<Vec<_>>());
+        let warnings = warnings(self.case, &self.landed_steps().collect::<Vec<_>>());
+        self.summary.warnings = warnings;
         let text = json::pretty(&self.summary).map_err(|e| format!("summary.json: {e}"))?;
         self.folder.write("summary.json", text)
     }

@@ -176,8 +176,7 @@ pub struct Probe {
 }
 
 /// Solver settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solver {
     /// Convergence: ‖\[Δq; Δλ\]‖ (mm, N) below this.
     pub tolerance: f64,

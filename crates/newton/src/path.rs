@@ -258,31 +258,27 @@ impl<'a> Path<'a> {
                     let checkpoint = self.checkpoint(approach);
                     (self.observer)(Event::StepAccepted(&checkpoint));
                 }
+                Err(Cause::Interrupted) => return Err(self.failure(attempted, Cause::Interrupted)),
                 Err(cause) => {
-                    if cause != Cause::Interrupted {
-                        (self.observer)(Event::StepRejected {
-                            step: self.step,
-                            pressure_kpa: attempted,
-                            cause: &cause,
-                        });
-                        self.has_factor = false;
-                        approach.step_kpa = 0.5 * (attempted - start);
-                        if had_factor {
-                            // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
-                            approach.step_kpa = approach.step_kpa.max(self.settings.min_step_kpa);
-                        }
+                    (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: attempted, cause: &cause });
+                    self.has_factor = false;
+                    approach.step_kpa = 0.5 * (attempted - start);
+                    if had_factor {
+                        // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
+                        approach.step_kpa = approach.step_kpa.max(self.settings.min_step_kpa);
                     }
-                    if cause == Cause::Interrupted || approach.step_kpa < self.settings.min_step_kpa {
-                        if cause != Cause::Interrupted {
-                            self.confirm();
-                        }
-                        let stability = self.stability;
-                        return Err(Failure { reached_kpa: start, attempted_kpa: attempted, cause, stability });
+                    if approach.step_kpa < self.settings.min_step_kpa {
+                        self.confirm();
+                        return Err(self.failure(attempted, cause));
                     }
                 }
             }
         }
         Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
+    }
+
+    fn failure(&self, attempted_kpa: f64, cause: Cause) -> Failure {
+        Failure { reached_kpa: self.state.pressure_kpa, attempted_kpa, cause, stability: self.stability }
     }
 
     /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
@@ -377,8 +373,9 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// One load step towards `aim` (kPa), which becomes the pressure that is tried: a guess along the tangent, cut short where walls would be driven deep into
-    /// each other, and Newton's method from there, to the end only at the pressure asked for.
+    /// One load step towards `aim` (kPa), which becomes the pressure that is tried: a guess along the tangent, cut short where it
+    /// would deform the body too much or drive walls deep into each other, and Newton's method from there, to the end only at the
+    /// pressure asked for.
     fn load_step(&mut self, aim: &mut f64, requested: f64) -> Result<Converged, Cause> {
         let wanted = *aim;
         let start = self.state.pressure_kpa;
