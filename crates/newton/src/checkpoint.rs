@@ -18,6 +18,8 @@ pub struct Checkpoint {
     pub multipliers: Vec<f64>,
     /// Contact points that carry traction.
     pub contact_points: usize,
+    /// Whether the equilibrium is solved well enough to go on from only, not to the tolerances asked for.
+    pub is_loose: bool,
     /// Load steps attempted.
     pub step: usize,
     /// Newton iterations so far.

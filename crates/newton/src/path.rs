@@ -46,6 +46,9 @@ const STALE_BELOW: f64 = 0.05;
 /// Corrections in a row with the same old factor, at the most.
 const MOST_STALE: usize = 8;
 
+/// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
+const AFTER_POLISHING: f64 = 0.25;
+
 /// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
 const RESIDUAL_FLOOR: f64 = 1e-9;
 
@@ -66,6 +69,8 @@ struct State {
     displacement: Vec<[f64; 3]>,
     multipliers: Vec<f64>,
     contact_points: usize,
+    /// Solved well enough to go on from, not to the tolerances asked for.
+    is_loose: bool,
 }
 
 /// Follows equilibria of one problem from rest.
@@ -148,6 +153,7 @@ impl<'a> Path<'a> {
             displacement: vec![[0.0; 3]; n],
             multipliers: vec![0.0; 3 * n],
             contact_points: 0,
+            is_loose: false,
         };
         let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
         let rounding_per_mm = f64::EPSILON * problem.material.bulk_modulus * element_size * (n as f64).sqrt();
@@ -180,8 +186,8 @@ impl<'a> Path<'a> {
         if let Some(linearisation) = checkpoint.linearisation {
             self.system.restore(linearisation)?;
         }
-        let Checkpoint { pressure_kpa, displacement, multipliers, contact_points, .. } = checkpoint;
-        self.state = State { pressure_kpa, displacement, multipliers, contact_points };
+        let Checkpoint { pressure_kpa, displacement, multipliers, contact_points, is_loose, .. } = checkpoint;
+        self.state = State { pressure_kpa, displacement, multipliers, contact_points, is_loose };
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
         self.first_rate = checkpoint.first_rate;
@@ -263,6 +269,13 @@ impl<'a> Path<'a> {
                     (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: attempted, cause: &cause });
                     self.has_factor = false;
                     approach.step_kpa = 0.5 * (attempted - start);
+                    if self.state.is_loose {
+                        // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
+                        self.state.is_loose = false;
+                        self.confirm();
+                        let again = AFTER_POLISHING * (wanted - start);
+                        approach.step_kpa = approach.step_kpa.max(again).max(self.settings.min_step_kpa);
+                    }
                     if had_factor {
                         // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
                         approach.step_kpa = approach.step_kpa.max(self.settings.min_step_kpa);
@@ -327,12 +340,13 @@ impl<'a> Path<'a> {
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let State { pressure_kpa, displacement, multipliers, contact_points } = self.state.clone();
+        let State { pressure_kpa, displacement, multipliers, contact_points, is_loose } = self.state.clone();
         Checkpoint {
             pressure_kpa,
             displacement,
             multipliers,
             contact_points,
+            is_loose,
             step: self.step,
             iterations: self.iterations,
             timing: self.timing(),
@@ -527,7 +541,9 @@ impl<'a> Path<'a> {
             // Small corrections of an unstable tangent lead away from the path.
             if target == Target::OnTheWay && largest < LOOSE && negative_pivots == 0 {
                 self.has_factor = !is_stale;
-                return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
+                let mut converged = self.converged(pressure_kpa, u, multipliers, iteration);
+                converged.state.is_loose = true;
+                return Ok(converged);
             }
             let was_cautious = std::mem::take(&mut is_cautious);
             let is_rounding = residual <= rounding && last.norm < rounded_tolerance;
@@ -572,7 +588,8 @@ impl<'a> Path<'a> {
         iterations: usize,
     ) -> Converged {
         let contact_points = self.system.contact_points();
-        Converged { state: State { pressure_kpa, displacement, multipliers, contact_points }, iterations }
+        let state = State { pressure_kpa, displacement, multipliers, contact_points, is_loose: false };
+        Converged { state, iterations }
     }
 
     fn largest_residual_node(&self) -> usize {
