@@ -99,7 +99,7 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         case.contact.stiffness
     )?;
     let pressures: Vec<String> = case.load.pressure_kpa.iter().map(f64::to_string).collect();
-    writeln!(text, "load      {} kPa on {} faces", pressures.join(", "), number(problem.pressure_facets.len()))?;
+    writeln!(text, "load      {} kPa on {} faces", pressures.join(", "), number(problem.cavity_facets().len()))?;
     for (name, site) in probe_sites(mesh, &case.probes) {
         let [x, y, z] = site.at;
         let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };

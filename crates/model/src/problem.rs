@@ -2,29 +2,48 @@
 
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
-use crate::case::{Case, CaseError, Contact, Formulation, Material};
+use crate::MPA_PER_KPA;
+use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation, Material};
+use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 
-/// A boundary-value problem: body, material, supports, loaded faces, facing walls.
+/// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// The body.
     pub mesh: Mesh,
     /// How the volumetric energy of its elements is treated.
     pub formulation: Formulation,
-    /// Material of all elements.
+    /// Material of all elements that belong to no region.
     pub material: Material,
+    /// Elements with materials of their own. No element belongs to two of them.
+    pub regions: Vec<Region>,
     /// Held degrees of freedom.
     pub supports: Vec<Support>,
-    /// Faces that feel the air pressure.
-    pub pressure_facets: Vec<Facet>,
+    /// Linear equations between displacements.
+    pub equations: Vec<LinearEquation>,
+    /// Spaces filled with air.
+    pub cavities: Vec<Cavity>,
+    /// Other loads.
+    pub loads: Vec<Load>,
     /// Contact law.
     pub contact: Contact,
     /// Surfaces that may touch.
     pub contact_pairs: Vec<ContactPair>,
 }
 
-/// Nodes whose displacement along some axes is held.
+/// Elements of one material.
 #[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Name in reports.
+    pub name: String,
+    /// Its elements.
+    pub elements: Vec<u32>,
+    /// Their material.
+    pub material: Material,
+}
+
+/// Nodes whose displacement along some axes is held, or prescribed.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Support {
     /// Name in reports.
     pub name: String,
@@ -32,6 +51,8 @@ pub struct Support {
     pub nodes: Vec<u32>,
     /// Held axes x, y, z.
     pub axes: [bool; 3],
+    /// How they are moved; `None` if they stay in place.
+    pub motion: Option<Motion>,
 }
 
 /// Two facing surfaces. Points of the slave are kept from passing through the master.
@@ -48,6 +69,28 @@ pub struct ContactPair {
 }
 
 impl Problem {
+    /// A free body without loads and contact.
+    pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Self {
+        Self {
+            mesh,
+            formulation,
+            material,
+            regions: Vec::new(),
+            supports: Vec::new(),
+            equations: Vec::new(),
+            cavities: Vec::new(),
+            loads: Vec::new(),
+            contact: Contact { method: ContactMethod::None, ..Contact::default() },
+            contact_pairs: Vec::new(),
+        }
+    }
+
+    /// Adds a cavity whose pressure in kPa is the time.
+    pub fn inflate(&mut self, name: &str, facets: Vec<Facet>) {
+        let control = Control::Pressure(Curve::Proportional(MPA_PER_KPA));
+        self.cavities.push(Cavity { name: name.into(), facets, control });
+    }
+
     /// Meshes the case's actuator: clamped on x = 0, held in y on the symmetry plane of a half model.
     ///
     /// The slave of every gap is its left wall, the outer wall of the chamber nearer to the clamp **(our reading: the
@@ -78,7 +121,10 @@ impl Problem {
         contact: Contact,
     ) -> Result<Self, pneuflex_mesh::GeometryError> {
         let mesh = build_actuator(actuator, size, formulation.element_kind())?;
-        let support = |name: &str, axes| Support { name: name.into(), nodes: mesh.node_set(name).to_vec(), axes };
+        let support = |name: &str, axes| {
+            let nodes = mesh.node_set(name).to_vec();
+            Support { name: name.into(), nodes, axes, motion: None }
+        };
         let mut supports = vec![support("clamp", [true; 3])];
         if !mesh.node_set("symmetry").is_empty() {
             supports.push(support("symmetry", [false, true, false]));
@@ -90,8 +136,42 @@ impl Problem {
                 master: mesh.facet_set(&format!("gap_{i}_right")).to_vec(),
             })
             .collect();
-        let pressure_facets = mesh.facet_set("cavity").to_vec();
-        Ok(Self { mesh, formulation, material, supports, pressure_facets, contact, contact_pairs })
+        let cavity = mesh.facet_set("cavity").to_vec();
+        let mut problem = Self { supports, contact, contact_pairs, ..Self::body(mesh, formulation, material) };
+        problem.inflate("cavity", cavity);
+        Ok(problem)
+    }
+
+    /// Materials, that of the elements without region first, and for every element the index of its own.
+    pub fn materials(&self) -> (Vec<&Material>, Vec<u16>) {
+        let mut of_element = vec![0; self.mesh.num_elements()];
+        for (number, region) in self.regions.iter().enumerate() {
+            for &element in &region.elements {
+                of_element[element as usize] = number as u16 + 1;
+            }
+        }
+        let materials = std::iter::once(&self.material).chain(self.regions.iter().map(|region| &region.material));
+        (materials.collect(), of_element)
+    }
+
+    /// Displacements that the supports prescribe at a time, mm; 0 at free degrees of freedom.
+    pub fn held_displacement(&self, time: f64) -> Vec<[f64; 3]> {
+        let mut displacement = vec![[0.0; 3]; self.mesh.num_nodes()];
+        for support in &self.supports {
+            let Some(motion) = &support.motion else { continue };
+            let factor = motion.curve.at(time);
+            for &node in &support.nodes {
+                for axis in (0..3).filter(|&axis| support.axes[axis]) {
+                    displacement[node as usize][axis] = factor * motion.displacement[axis];
+                }
+            }
+        }
+        displacement
+    }
+
+    /// Walls of all cavities, one cavity after the other.
+    pub fn cavity_facets(&self) -> Vec<Facet> {
+        self.cavities.iter().flat_map(|cavity| cavity.facets.iter().copied()).collect()
     }
 
     /// Number of degrees of freedom, three per node, held ones included.

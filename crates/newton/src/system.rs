@@ -71,7 +71,7 @@ impl System {
         let start = Instant::now();
         let mesh = Arc::new(problem.mesh.clone());
         let solid = Solid::new(&mesh, problem.formulation, &problem.material)?;
-        let pressure = Pressure::new(&mesh, &problem.pressure_facets);
+        let pressure = Pressure::new(&mesh, &problem.cavity_facets());
         let contact = ContactModel::new(&mesh, &problem.contact_pairs, &problem.contact);
         let held = problem.held_dofs();
         let assembler = Assembler::new(mesh.num_nodes(), &[&solid, &pressure], &[]);

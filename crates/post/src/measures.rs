@@ -95,7 +95,7 @@ pub fn cavity_volume(problem: &Problem, displacement: &[f64]) -> Result<f64, Pos
     check("displacement", displacement, problem.num_dofs())?;
     let rule = quadrature::face(problem.mesh.face_kind());
     let mut sum = 0.0;
-    for &facet in &problem.pressure_facets {
+    for facet in problem.cavity_facets() {
         let patch = Patch::new(&problem.mesh, facet, Some(displacement));
         for &(xi, weight) in &rule {
             let point = patch.at(xi);

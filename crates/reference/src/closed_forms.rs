@@ -182,10 +182,10 @@ fn tube(formulation: Formulation, cells: [usize; 3]) -> Problem {
     ];
     let mesh = mesh.map_nodes(|[r, angle, z]| [r * angle.cos(), r * angle.sin(), z]);
     let mut problem = body(mesh, formulation, Material::default());
-    problem.pressure_facets = inner;
+    problem.inflate("inside", inner);
     for (axis, nodes) in [(1, straight), (0, side), (2, ends)] {
         let axes = std::array::from_fn(|i| i == axis);
-        problem.supports.push(pneuflex_model::Support { name: "test".into(), nodes, axes });
+        problem.supports.push(pneuflex_model::Support { name: "test".into(), nodes, axes, motion: None });
     }
     problem
 }
@@ -225,7 +225,8 @@ fn lists_of_the_wrong_length_are_errors() {
 fn a_body_that_is_not_held_has_no_equilibrium() {
     let mesh = block(Formulation::Hex8Sri, [1.0; 3], [1; 3], 0.0);
     let mut problem = body(mesh, Formulation::Hex8Sri, Material::default());
-    problem.pressure_facets = problem.mesh.select_facets(|x| x[0] == 1.0);
+    let end = problem.mesh.select_facets(|x| x[0] == 1.0);
+    problem.inflate("end", end);
     let error = ReferenceSolver::new(&problem).unwrap().follow_path(&[10.0], &PathOptions::default()).unwrap_err();
     assert!(matches!(error, ReferenceError::NotConverged { .. }), "{error}");
 }

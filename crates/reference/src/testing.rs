@@ -15,15 +15,7 @@ pub fn material(invariant: Invariant) -> Material {
 
 /// A body without loads.
 pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem {
-    Problem {
-        mesh,
-        formulation,
-        material,
-        supports: Vec::new(),
-        pressure_facets: Vec::new(),
-        contact: Contact { method: ContactMethod::None, ..Contact::default() },
-        contact_pairs: Vec::new(),
-    }
+    Problem::body(mesh, formulation, material)
 }
 
 /// A block [0, size] with curved and slanted elements when `distort` is not zero.
@@ -42,7 +34,7 @@ pub fn block(formulation: Formulation, size: [f64; 3], cells: [usize; 3], distor
 pub fn hold(problem: &mut Problem, axes: [bool; 3], predicate: impl Fn([f64; 3]) -> bool) {
     let nodes = problem.mesh.select_nodes(predicate);
     assert!(!nodes.is_empty(), "a support that holds nothing");
-    problem.supports.push(Support { name: "test".into(), nodes, axes });
+    problem.supports.push(Support { name: "test".into(), nodes, axes, motion: None });
 }
 
 /// Two coarse chambers as in the theory with a given gap between their walls.

@@ -82,7 +82,7 @@ pub fn for_script(json: &str) -> String {
 fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a>, ReportError> {
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
-    let skin = Skin::new(mesh, &report.problem.pressure_facets, &body);
+    let skin = Skin::new(mesh, &report.problem.cavity_facets(), &body);
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
     let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);

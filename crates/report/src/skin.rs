@@ -167,7 +167,7 @@ mod tests {
         for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             let problem = two_chambers(formulation);
             let (mesh, body) = (&problem.mesh, Body::new(&problem.mesh));
-            let skin = Skin::new(mesh, &problem.pressure_facets, &body);
+            let skin = Skin::new(mesh, &problem.cavity_facets(), &body);
             let at = |vertex: u32| body.nodes[skin.vertices[vertex as usize] as usize];
             let cone = |t: &[u32; 3]| volume([[0.0; 3], at(t[0]), at(t[1]), at(t[2])]);
             let sum: f64 = skin.triangles.iter().map(cone).sum();
@@ -188,7 +188,7 @@ mod tests {
     fn sharp_edges_are_those_between_flat_sides() {
         let problem = two_chambers(Formulation::Hex27);
         let mesh = &problem.mesh;
-        let skin = Skin::new(mesh, &problem.pressure_facets, &Body::new(mesh));
+        let skin = Skin::new(mesh, &problem.cavity_facets(), &Body::new(mesh));
         // Every side of this body is in a plane across an axis: along a sharp edge two coordinates stay.
         for [a, b] in &skin.sharp_edges.pairs {
             let (a, b) = (mesh.nodes[*a as usize], mesh.nodes[*b as usize]);

@@ -1,7 +1,7 @@
 //! Bodies, supports and solutions that the problems share.
 
 use pneuflex_mesh::{ElementKind, Mesh};
-use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver, Support};
+use pneuflex_model::{Formulation, Invariant, Material, Problem, Solver, Support};
 use pneuflex_newton::{Event, LandedState, Path, follow_path};
 
 /// All formulations.
@@ -21,21 +21,13 @@ pub fn material(bulk_modulus: f64) -> Material {
 
 /// A body without loads, supports and contact.
 pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem {
-    Problem {
-        mesh,
-        formulation,
-        material,
-        supports: Vec::new(),
-        pressure_facets: Vec::new(),
-        contact: Contact { method: ContactMethod::None, ..Contact::default() },
-        contact_pairs: Vec::new(),
-    }
+    Problem::body(mesh, formulation, material)
 }
 
 /// Holds `axes` of the nodes that satisfy `predicate`.
 pub fn hold(problem: &mut Problem, name: &str, axes: [bool; 3], predicate: impl Fn([f64; 3]) -> bool) {
     let nodes = problem.mesh.select_nodes(predicate);
-    problem.supports.push(Support { name: name.into(), nodes, axes });
+    problem.supports.push(Support { name: name.into(), nodes, axes, motion: None });
 }
 
 /// Whether two coordinates are the same up to rounding.

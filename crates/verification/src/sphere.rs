@@ -90,7 +90,7 @@ fn sphere(formulation: Formulation, material: Material, cells: [usize; 2]) -> Pr
     for axis in 0..3 {
         hold(&mut problem, "plane", std::array::from_fn(|k| k == axis), |x| near(x[axis], 0.0));
     }
-    problem.pressure_facets = inner;
+    problem.inflate("inside", inner);
     problem
 }
 

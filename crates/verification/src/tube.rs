@@ -79,9 +79,14 @@ fn tube(formulation: Formulation, material: Material, [radial, around]: [usize; 
     ];
     let mut problem = body(mesh, formulation, material);
     problem.mesh = problem.mesh.map_nodes(|[r, angle, z]| [r * angle.cos(), r * angle.sin(), z]);
-    problem.pressure_facets = inner;
+    problem.inflate("inside", inner);
     problem.supports = planes
-        .map(|(axis, nodes)| Support { name: "plane".into(), nodes, axes: std::array::from_fn(|k| k == axis) })
+        .map(|(axis, nodes)| Support {
+            name: "plane".into(),
+            nodes,
+            axes: std::array::from_fn(|k| k == axis),
+            motion: None,
+        })
         .into();
     problem
 }

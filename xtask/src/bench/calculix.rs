@@ -81,7 +81,7 @@ pub fn deck(problem: &Problem, element: &str, pressures_kpa: &[f64], tip: usize)
         put(&mut text, format_args!("*STEP, NLGEOM, INC={MOST_INCREMENTS}\n*STATIC\n{INCREMENTS}\n"));
         put(&mut text, format_args!("*CONTROLS, PARAMETERS=FIELD\n{TOLERANCES}\n"));
         put(&mut text, format_args!("*CONTROLS, PARAMETERS=TIME INCREMENTATION\n{ITERATIONS}\n*DLOAD\n"));
-        for facet in &problem.pressure_facets {
+        for facet in &problem.cavity_facets() {
             let (element, face) = (facet.element + 1, FACE_NUMBERS[usize::from(facet.face)]);
             put(&mut text, format_args!("{element}, P{face}, {:e}\n", pressure * MPA_PER_KPA));
         }
@@ -156,7 +156,7 @@ mod tests {
             let elements: Vec<Vec<usize>> = block(&deck, "*ELEMENT").iter().map(|line| numbers(&line[1..])).collect();
             assert_eq!(elements[0].len(), problem.mesh.kind.num_nodes());
             let loads = block(&deck, "*DLOAD");
-            assert_eq!(loads.len(), problem.pressure_facets.len());
+            assert_eq!(loads.len(), problem.cavity_facets().len());
             let mut volume = 0.0;
             for load in &loads {
                 let corners = &elements[load[0].parse::<usize>().unwrap() - 1];

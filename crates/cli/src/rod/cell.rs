@@ -128,7 +128,7 @@ fn free_states(problem: &Problem, settings: &Solver) -> Result<Vec<LandedState>,
 fn problem_with_held_end(problem: &Problem) -> Problem {
     let mut held = problem.clone();
     let nodes = held.mesh.node_set("end_face").to_vec();
-    held.supports.push(Support { name: "end".into(), nodes, axes: [true, false, true] });
+    held.supports.push(Support { name: "end".into(), nodes, axes: [true, false, true], motion: None });
     held
 }
 
@@ -475,7 +475,7 @@ mod tests {
         let mut problem =
             Problem::from_actuator(&actuator, &size, Formulation::Hex20, material, Contact::default()).unwrap();
         // A breath of air from below: the pressure inside has next to nothing to push at.
-        problem.pressure_facets = problem.mesh.facet_set("bottom").to_vec();
+        problem.cavities[0].facets = problem.mesh.facet_set("bottom").to_vec();
         let settings = Solver::default();
         let mut observer = |_: Event<'_>| {};
         let pressure_kpa = 1e-3;

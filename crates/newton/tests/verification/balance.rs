@@ -58,7 +58,7 @@ fn energy_and_work(problem: &Problem, pressure_kpa: f64, panels: usize) -> (f64,
     points.push((pressure_kpa, 0.0));
     let pressures: Vec<f64> = points.iter().map(|point| point.0).collect();
     let states = follow(problem, &pressures, &strict());
-    let air = Pressure::new(&problem.mesh, &problem.pressure_facets);
+    let air = Pressure::new(&problem.mesh, &problem.cavity_facets());
     let volumes: Vec<f64> = states.iter().map(|state| air.volume(&nodal(&state.displacement))).collect();
     let integral: f64 = points.iter().zip(&volumes).map(|((_, weight), volume)| weight * volume).sum();
     let last = states.len() - 1;

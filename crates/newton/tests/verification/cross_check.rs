@@ -132,7 +132,7 @@ fn free_part(matrix: &DMatrix<f64>, problem: &Problem) -> DMatrix<f64> {
 fn pressure() {
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let problem = coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None);
-        let mut pressure = Pressure::new(&problem.mesh, &problem.pressure_facets);
+        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
         pressure.pressure = 0.3;
         let u = leaning(&problem);
         let reference = AirModel::new(&problem, RIM_AT_Y_0).unwrap();
@@ -206,7 +206,7 @@ fn global_residual_and_tangent() {
         let problem = coarse_chambers(formulation, invariant, method);
         let (u, p) = (leaning(&problem), 0.035);
         let solid = Solid::new(&problem.mesh, formulation, &problem.material).unwrap();
-        let mut pressure = Pressure::new(&problem.mesh, &problem.pressure_facets);
+        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
         pressure.pressure = p;
         let model = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
         let contact = Contact::search(&model, deformed(&problem.mesh, &u));
@@ -238,7 +238,7 @@ fn global_residual_and_tangent() {
 /// For every degree of freedom whether it is the displacement across the symmetry plane of a node on the cavity's rim.
 fn is_across_rim(problem: &Problem) -> Vec<bool> {
     let mut across = vec![false; problem.num_dofs()];
-    for &facet in &problem.pressure_facets {
+    for facet in problem.cavity_facets() {
         for node in problem.mesh.facet_nodes(facet) {
             across[3 * node as usize + 1] |= problem.mesh.nodes[node as usize][1] == 0.0;
         }

@@ -19,15 +19,7 @@ pub const RIM_AT_Y_0: [f64; 3] = [0.0, 1.0, 0.0];
 
 /// A body without loads, supports and contact.
 pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Problem {
-    Problem {
-        mesh,
-        formulation,
-        material,
-        supports: Vec::new(),
-        pressure_facets: Vec::new(),
-        contact: Contact { method: ContactMethod::None, ..Contact::default() },
-        contact_pairs: Vec::new(),
-    }
+    Problem::body(mesh, formulation, material)
 }
 
 /// An actuator with the paper's material.

@@ -101,7 +101,7 @@ impl State<'_> {
 
 fn production_json(problem: &Problem, states: &[LandedState]) -> Value {
     let mut system = System::new(problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.pressure_facets);
+    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
     let described = states.iter().map(|state| {
         let u = nodal(&state.displacement);
         State {
@@ -206,7 +206,7 @@ fn check_stored(name: &str, text: &str, touches: bool) {
     let held = problem.held_dofs();
     let found = follow(&problem, &run.case.load.pressure_kpa, &strict());
     let mut system = System::new(&problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.pressure_facets);
+    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
     assert_eq!(found.len(), run.states.len());
     for (found, stored) in found.iter().zip(&run.states) {
         let kpa = stored.pressure_kpa;

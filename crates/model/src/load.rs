@@ -1,0 +1,155 @@
+//! What acts on a body, as functions of time.
+//!
+//! Time is the parameter of the load path; nothing depends on how fast it passes. For an actuator it is the air pressure in kPa.
+
+use pneuflex_mesh::Facet;
+
+/// A piecewise linear function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Curve {
+    /// This many times the time.
+    Proportional(f64),
+    /// Through points (time, value) in the order of time; constant before the first and after the last.
+    Table(Vec<[f64; 2]>),
+}
+
+/// A space that a surface encloses, alone or together with planes of symmetry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cavity {
+    /// Name in reports.
+    pub name: String,
+    /// Its walls.
+    pub facets: Vec<Facet>,
+    /// What is known about the fluid in it.
+    pub control: Control,
+}
+
+/// What is known about the fluid in a cavity.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Control {
+    /// Its pressure above the atmosphere's, MPa.
+    Pressure(Curve),
+    /// By how much it exceeds the volume at rest, mm³: an incompressible liquid is pumped in. The pressure follows, and may fall while
+    /// the volume grows.
+    Volume(Curve),
+    /// An amount of gas.
+    Gas(Gas),
+}
+
+/// Gas in a closed cavity: (p + p₀) Vⁿ = m p₀ V₀ⁿ, with the pressure p above the atmosphere's p₀, the volume V (V₀ at rest).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gas {
+    /// Absolute pressure of the atmosphere p₀, MPa.
+    pub atmosphere: f64,
+    /// Polytropic exponent n: 1 for gas that keeps its temperature, 1.4 for air that exchanges no heat.
+    pub exponent: f64,
+    /// Amount m, relative to what fills the cavity at rest at the atmosphere's pressure.
+    pub amount: Curve,
+}
+
+/// A load that is not a cavity's.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Load {
+    /// The same force on every node of a list, N.
+    Force {
+        /// Loaded nodes.
+        nodes: Vec<u32>,
+        /// Force on each, N.
+        force: [f64; 3],
+        /// Factor by time.
+        curve: Curve,
+    },
+    /// A force per area at rest that keeps its direction, MPa.
+    Traction {
+        /// Loaded faces.
+        facets: Vec<Facet>,
+        /// Force per area at rest, MPa.
+        traction: [f64; 3],
+        /// Factor by time.
+        curve: Curve,
+    },
+    /// A pressure that stays normal to the deformed faces, against their outer normals, MPa.
+    Pressure {
+        /// Loaded faces.
+        facets: Vec<Facet>,
+        /// Pressure by time, MPa.
+        curve: Curve,
+    },
+    /// Weight, by the materials' densities.
+    Gravity {
+        /// Elements that have a weight; `None` for all.
+        elements: Option<Vec<u32>>,
+        /// Acceleration, mm/s².
+        acceleration: [f64; 3],
+        /// Factor by time.
+        curve: Curve,
+    },
+}
+
+/// Displacements of a support, in the same ratio at all times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// Displacement where the curve is 1, mm; only that along held axes counts.
+    pub displacement: [f64; 3],
+    /// Factor by time.
+    pub curve: Curve,
+}
+
+/// Σ cᵢ uᵢ = b(t) over components of nodes' displacements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearEquation {
+    /// Node, axis and coefficient of every term.
+    pub terms: Vec<(u32, u8, f64)>,
+    /// Right-hand side by time, mm (times the coefficients' unit).
+    pub value: Curve,
+}
+
+impl Curve {
+    /// Zero at all times.
+    pub const ZERO: Self = Self::Proportional(0.0);
+
+    /// The same value at all times.
+    pub fn constant(value: f64) -> Self {
+        Self::Table(vec![[0.0, value]])
+    }
+
+    /// Value at a time.
+    pub fn at(&self, time: f64) -> f64 {
+        let points = match self {
+            Self::Proportional(slope) => return slope * time,
+            Self::Table(points) => points,
+        };
+        let after = points.partition_point(|point| point[0] <= time);
+        match (&points[..after], &points[after..]) {
+            ([.., [t0, v0]], [[t1, v1], ..]) => v0 + (v1 - v0) * (time - t0) / (t1 - t0),
+            ([.., [_, value]], []) | ([], [[_, value], ..]) => *value,
+            ([], []) => 0.0,
+        }
+    }
+
+    /// Times at which its slope changes.
+    pub fn corners(&self) -> impl Iterator<Item = f64> {
+        let points: &[[f64; 2]] = match self {
+            Self::Proportional(_) => &[],
+            Self::Table(points) => points,
+        };
+        points.iter().map(|point| point[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_are_linear_between_their_points_and_constant_outside() {
+        let curve = Curve::Table(vec![[1.0, 2.0], [3.0, 6.0], [3.0, 1.0], [4.0, 0.0]]);
+        let expected = [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 1.0), (3.5, 0.5), (9.0, 0.0)];
+        for (time, value) in expected {
+            assert_eq!(curve.at(time), value, "at {time}");
+        }
+        assert_eq!(Curve::Proportional(1e-3).at(35.0), 0.035);
+        assert_eq!(Curve::constant(7.0).at(-1.0), 7.0);
+        assert_eq!(Curve::Table(Vec::new()).at(1.0), 0.0);
+    }
+}
