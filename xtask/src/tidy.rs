@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material-yeoh", &["mesh", "model"]),
@@ -19,7 +19,8 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("rod", &[]),
     ("report", &["mesh", "model", "post"]),
     ("calibration", &["model", "material-yeoh"]),
-    ("cli", &["calibration", "mesh", "model", "newton", "post", "report", "rod"]),
+    ("deck", &["mesh", "model"]),
+    ("cli", &["calibration", "deck", "mesh", "model", "newton", "post", "report", "rod"]),
     ("benches", &["mesh", "model"]),
     ("verification", &["mesh", "model", "contact", "assembly", "factor", "newton", "post"]),
     ("xtask", &["mesh", "model", "newton", "post", "rod", "verification"]),

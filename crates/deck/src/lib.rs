@@ -1,0 +1,12 @@
+//! Input decks of other programs as problems.
+//!
+//! Texts go in, plain data comes out: this crate opens no files (included files come from a function that the caller passes) and
+//! solves nothing.
+//!
+//! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
+//! * [`report`]: places in files, what is wrong there, what is worth knowing.
+//!
+//! A deck has no units. It is taken in mm, N, MPa (and tonnes per mm³ for densities).
+
+pub mod report;
+pub mod syntax;
