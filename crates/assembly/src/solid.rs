@@ -76,7 +76,7 @@ impl Solid {
         let fluctuation_modulus = formulation.fluctuation_modulus(material);
         let mut solid = Self {
             reference: ReferenceElement::new(formulation),
-            law: Yeoh::new(material),
+            law: Yeoh::of(material).expect("other laws are refused by the case file"),
             bulk_modulus: material.bulk_modulus - fluctuation_modulus,
             fluctuation_modulus,
             nodes: mesh.nodes.clone(),

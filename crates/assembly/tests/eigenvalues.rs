@@ -101,7 +101,7 @@ fn inf_sup_constants(formulation: Formulation, cells: usize, pressures_per_eleme
     let free = |matrix: DMatrix<f64>| matrix.select_rows(&inner).select_columns(&inner);
     let [soft, stiff] = [2.0, 3.0].map(|kappa| free(stiffness(&mesh, formulation, kappa)));
     let volumetric = &stiff - &soft;
-    let mu = 2.0 * Material::default().c10;
+    let mu = Material::default().shear_modulus();
     let factor = ((soft - 2.0 * &volumetric) / mu).cholesky().unwrap().l();
     let half = factor.solve_lower_triangular(&volumetric).unwrap();
     let pencil = factor.solve_lower_triangular(&half.transpose()).unwrap();

@@ -12,7 +12,7 @@
 //! way the conditions are linear in the constants, which [`conditions`] returns.
 
 use pneuflex_material_yeoh::Yeoh;
-use pneuflex_model::Material;
+use pneuflex_model::Invariant;
 
 use crate::law::{Law, Mode};
 
@@ -94,7 +94,7 @@ pub fn zero_slope(law: Law, constants: &[f64]) -> Option<f64> {
         (Law::NeoHookean, &[c10]) => [c10, 0.0, 0.0],
         _ => return None,
     };
-    Yeoh::new(&Material { c10, c20, c30, ..Material::default() }).zero_slope()
+    Yeoh::new([c10, c20, c30], Invariant::Isochoric).zero_slope()
 }
 
 #[cfg(test)]

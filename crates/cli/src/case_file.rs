@@ -297,6 +297,12 @@ fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputE
         let error = InputError::new(format!("key `{path}` is missing")).at(place).help(help);
         return (error, Repair::StandIn(path));
     }
+    if let Some((_, rest)) = message.split_once("misplaced field `") {
+        let (name, why) = rest.split_once("`: ").unwrap_or((rest, ""));
+        let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        let place = Some(place_of(&path, sources, keys));
+        return (InputError::new(format!("key `{path}` is out of place: {why}")).at(place), Repair::Remove(path));
+    }
     let text = plain_types(&message);
     let error = InputError::new(if path.is_empty() { text } else { format!("{path}: {text}") }).at(place);
     (error, Repair::Remove(path.into()))

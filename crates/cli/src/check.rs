@@ -64,11 +64,10 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
     let material = &case.material;
     writeln!(
         text,
-        "material  yeoh, {} invariant: c10 {}, c20 {}, c30 {}, bulk modulus {} MPa",
+        "material  {}, {} invariant: {}, bulk modulus {} MPa",
+        material.law.name(),
         format!("{:?}", material.invariant).to_lowercase(),
-        material.c10,
-        material.c20,
-        material.c30,
+        material.law,
         material.bulk_modulus
     )?;
     if let Some(limit) = material_limit(material) {

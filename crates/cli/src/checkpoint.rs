@@ -153,7 +153,7 @@ mod tests {
         let old: Case = toml::from_str(&text).unwrap();
         assert_eq!(changes(&old, &old.clone()), []);
         let mut new = old.clone();
-        new.material.c10 = 1.0;
+        new.material.law = pneuflex_model::Law::Yeoh { c10: 1.0, c20: 0.03053, c30: -0.000_401_3 };
         new.title = "other".into();
         let found = changes(&old, &new);
         let keys: Vec<_> = found.iter().map(|(key, _)| key.as_str()).collect();

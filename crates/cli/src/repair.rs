@@ -99,6 +99,8 @@ fn stand_in(path: &str, name: &str) -> Option<Spanned<DeValue<'static>>> {
         "channel" => "x = { half_width = nan, bottom = nan, top = nan }",
         "name" => "x = \"some\"",
         "at" => "x = [0.0, 0.0, 0.0]",
+        "c10" | "c01" => "x = 1.0",
+        "mu" | "alpha" => "x = [1.0]",
         _ if path.starts_with("actuator.") => "x = nan",
         _ => return None,
     };

@@ -104,6 +104,33 @@ fn all_problems_are_said_at_once() {
 }
 
 #[test]
+fn constants_of_another_law_missing_ones_and_lists_that_do_not_match() {
+    let law = |table: &'static str| {
+        move |text: String| {
+            let yeoh = "law = \"yeoh\"\nc10 = 0.2712\nc20 = 0.03053\nc30 = -0.0004013\n";
+            assert!(text.contains(yeoh), "{text}");
+            text.replacen(yeoh, table, 1)
+        }
+    };
+    let line = |offset: usize| {
+        let start: usize = line_of("law = ").trim_end_matches(':').rsplit(':').next().unwrap().parse().unwrap();
+        format!("case.toml:{}:", start + offset)
+    };
+    let misplaced = "key `material.c30` is out of place: a constant of yeoh; the constants of neo-hooke are c10";
+    refused("misplaced", law("law = \"neo-hooke\"\nc10 = 0.1\nc30 = 0.1\n"), &[], &[&line(2), misplaced]);
+    refused("missing-constant", law("law = \"neo-hooke\"\n"), &[], &["[material]", "key `material.c10` is missing"]);
+    let words = [&line(2), "material.alpha = [2.0, NaN] is out of range", "as many numbers as mu has"];
+    refused("lists", law("law = \"ogden\"\nmu = [0.1, 0.2]\nalpha = [2.0]\n"), &[], &words);
+    let words = [&line(1), "material.mu = [0.1, -0.2] is out of range", "shear modulus at rest, greater than 0 MPa"];
+    refused("soft", law("law = \"ogden\"\nmu = [0.1, -0.2]\nalpha = [2.0, 3.0]\n"), &[], &words);
+    let words =
+        ["material.invariant = \"full\" is out of range: must be \"isochoric\" where material.law = \"mooney-rivlin\""];
+    refused("full", law("law = \"mooney-rivlin\"\nc10 = 0.1\nc01 = 0.1\n"), &["material.invariant=full"], &words);
+    let words = ["material.density = -1.0 is out of range", "0 or greater, g/cm3"];
+    refused("density", law("law = \"yeoh\"\ndensity = -1\n"), &[], &words);
+}
+
+#[test]
 fn negative_thickness() {
     let place = line_of("side_wall");
     refused(

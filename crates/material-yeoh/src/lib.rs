@@ -45,9 +45,14 @@ pub struct InvariantDerivatives {
 }
 
 impl Yeoh {
-    /// The law with the material's constants.
-    pub fn new(material: &Material) -> Self {
-        Self { coefficients: [material.c10, material.c20, material.c30], invariant: material.invariant }
+    /// The law with constants C₁₀, C₂₀, C₃₀, MPa.
+    pub fn new(coefficients: [f64; 3], invariant: Invariant) -> Self {
+        Self { coefficients, invariant }
+    }
+
+    /// The law of a material; `None` if that is no polynomial of the first invariant.
+    pub fn of(material: &Material) -> Option<Self> {
+        Some(Self::new(material.law.reduced_polynomial()?, material.invariant))
     }
 
     /// Energy density and derivatives at a deformation.
@@ -109,7 +114,7 @@ mod tests {
     use super::*;
 
     fn law(invariant: Invariant) -> Yeoh {
-        Yeoh::new(&Material { invariant, ..Material::default() })
+        Yeoh::of(&Material { invariant, ..Material::default() }).unwrap()
     }
 
     const H: [[f64; 3]; 3] = [[0.31, -0.22, 0.15], [0.08, -0.17, 0.21], [-0.12, 0.19, 0.26]];

@@ -8,6 +8,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::material::Material;
 use crate::written::Written;
 
 /// A whole case file.
@@ -100,42 +101,6 @@ pub enum Formulation {
     Tet10,
 }
 
-/// Material law and constants, MPa.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Material {
-    /// The law; Yeoh for now.
-    pub law: Law,
-    /// Coefficient of (I₁ − 3).
-    pub c10: f64,
-    /// Coefficient of (I₁ − 3)².
-    pub c20: f64,
-    /// Coefficient of (I₁ − 3)³.
-    pub c30: f64,
-    /// Bulk modulus κ; the paper calls it the penalty factor.
-    pub bulk_modulus: f64,
-    /// Which first invariant the energy depends on.
-    pub invariant: Invariant,
-}
-
-/// Material law.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Law {
-    /// Σ Cᵢ₀ (I₁ − 3)ⁱ + ½ κ (J − 1)².
-    #[default]
-    Yeoh,
-}
-
-/// First invariant in the energy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Invariant {
-    /// I₁ of the whole deformation (the paper's).
-    Full,
-    /// Ī₁ = J^(−2/3) I₁, stress-free at rest, as in other programs.
-    Isochoric,
-}
-
 /// Contact between the facing walls of neighbouring chambers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contact {
@@ -198,19 +163,6 @@ pub struct Solver {
 pub struct Output {
     /// Write `fields/*.vtu` at every requested pressure.
     pub fields: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            law: Law::Yeoh,
-            c10: 0.2712,
-            c20: 0.03053,
-            c30: -0.000_401_3,
-            bulk_modulus: 1000.0,
-            invariant: Invariant::Isochoric,
-        }
-    }
 }
 
 impl Default for Contact {
@@ -352,7 +304,7 @@ impl Formulation {
     /// (`pneuflex-assembly`, formulations).
     pub fn fluctuation_modulus(self, material: &Material) -> f64 {
         match self {
-            Self::Tet10 => (2.0 * material.c10).min(0.5 * material.bulk_modulus),
+            Self::Tet10 => material.shear_modulus().min(0.5 * material.bulk_modulus),
             _ => 0.0,
         }
     }
@@ -422,13 +374,7 @@ impl Case {
         if let Some(n) = self.mesh.wall_elements.filter(|n| !(1..=1000).contains(n)) {
             found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
         }
-        found.unless_positive("material.c10", self.material.c10, " MPa");
-        for (key, value) in [("material.c20", self.material.c20), ("material.c30", self.material.c30)] {
-            if !value.is_finite() {
-                found.add(key, &value, "must be a finite number, MPa");
-            }
-        }
-        found.unless_positive("material.bulk_modulus", self.material.bulk_modulus, " MPa");
+        found.0.extend(self.material.problems("material"));
         found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
         self.check_load_and_probes(&mut found);
         self.solver.check(&mut found);
@@ -472,14 +418,15 @@ impl Solver {
 }
 
 /// Values found out of range.
-struct Problems(Vec<CaseError>);
+#[derive(Default)]
+pub(crate) struct Problems(pub(crate) Vec<CaseError>);
 
 impl Problems {
-    fn add(&mut self, key: &str, value: &dyn fmt::Debug, allowed: &str) {
+    pub(crate) fn add(&mut self, key: &str, value: &dyn fmt::Debug, allowed: &str) {
         self.0.push(CaseError { key: key.into(), value: format!("{value:?}"), allowed: allowed.into() });
     }
 
-    fn unless_positive(&mut self, key: &str, value: f64, unit: &str) {
+    pub(crate) fn unless_positive(&mut self, key: &str, value: f64, unit: &str) {
         if !(value.is_finite() && value > 0.0) {
             self.add(key, &value, &format!("must be a finite number greater than 0{unit}"));
         }

@@ -1,6 +1,7 @@
 //! The problem as plain data, without any numerics.
 //!
 //! * [`case`]: what a user writes in a case file, with defaults and range checks.
+//! * [`material`]: hyperelastic laws and their constants.
 //! * [`load`]: what acts on a body, as functions of time.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
@@ -9,14 +10,15 @@
 
 pub mod case;
 pub mod load;
+pub mod material;
 pub mod problem;
 mod written;
 
 pub use case::{
-    Case, CaseError, Contact, ContactMethod, Formulation, Invariant, Law, Load, Material, MeshOptions, Output, Probe,
-    Resolution, Size, Solver,
+    Case, CaseError, Contact, ContactMethod, Formulation, Load, MeshOptions, Output, Probe, Resolution, Size, Solver,
 };
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};
+pub use material::{Invariant, Law, Material, OgdenTerm, Volumetric};
 pub use problem::{ContactPair, Problem, Region, Support};
 
 /// MPa per kPa.

@@ -3,8 +3,9 @@
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
 use crate::MPA_PER_KPA;
-use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation, Material};
+use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation};
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
+use crate::material::Material;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use pneuflex_mesh::Actuator;
 use serde::Deserialize;
 
-use crate::case::{Case, Contact, ContactMethod, Invariant, Law, Load, Material, MeshOptions, Output, Probe, Solver};
+use crate::case::{Case, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
+use crate::material::Material;
 
 /// [`Case`] with such keys left open.
 #[derive(Deserialize)]
@@ -15,7 +16,7 @@ pub struct Written {
     #[serde(default)]
     mesh: MeshOptions,
     #[serde(default)]
-    material: WrittenMaterial,
+    material: Material,
     #[serde(default)]
     contact: WrittenContact,
     load: Load,
@@ -25,17 +26,6 @@ pub struct Written {
     solver: WrittenSolver,
     #[serde(default)]
     output: Output,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Material", deny_unknown_fields, default)]
-struct WrittenMaterial {
-    law: Law,
-    c10: f64,
-    c20: f64,
-    c30: f64,
-    bulk_modulus: Option<f64>,
-    invariant: Invariant,
 }
 
 #[derive(Deserialize)]
@@ -64,13 +54,6 @@ impl Default for WrittenSolver {
     }
 }
 
-impl Default for WrittenMaterial {
-    fn default() -> Self {
-        let Material { law, c10, c20, c30, invariant, .. } = Material::default();
-        Self { law, c10, c20, c30, bulk_modulus: None, invariant }
-    }
-}
-
 impl Default for WrittenContact {
     fn default() -> Self {
         Self { method: Contact::default().method, stiffness: None }
@@ -80,17 +63,15 @@ impl Default for WrittenContact {
 impl From<Written> for Case {
     fn from(written: Written) -> Self {
         let Written { title, actuator, mesh, material, contact, load, probes, solver, output } = written;
-        let bulk_modulus = material.bulk_modulus.unwrap_or_else(|| default_bulk_modulus(material.c10));
-        let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.c10, &actuator));
+        let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.shear_modulus(), &actuator));
         let min_step_kpa = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let solver =
             Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa };
-        let WrittenMaterial { law, c10, c20, c30, invariant, .. } = material;
         Self {
             title,
             mesh,
-            material: Material { law, c10, c20, c30, bulk_modulus, invariant },
+            material,
             contact: Contact { method: contact.method, stiffness },
             actuator,
             load,
@@ -101,19 +82,15 @@ impl From<Written> for Case {
     }
 }
 
-/// Bulk modulus of a material of which only the shear constants are known, MPa: the paper's ratio of 1000 to its C₁₀, which is
-/// 1844 times the shear modulus (Poisson's ratio 0.4997).
-fn default_bulk_modulus(c10: f64) -> f64 {
-    let paper = Material::default();
-    // What is out of range itself is complained about by itself.
-    if c10 > 0.0 { rounded(paper.bulk_modulus * c10 / paper.c10) } else { paper.bulk_modulus }
-}
-
 /// Penalty stiffness, N/mm³: the paper's 4 for its material and walls of 1 mm, in proportion to the shear modulus over the thinnest
 /// wall's thickness. Walls pressed together by the air then sink into each other by the same share of their thickness.
-fn default_stiffness(c10: f64, actuator: &Actuator) -> f64 {
+fn default_stiffness(shear_modulus: f64, actuator: &Actuator) -> f64 {
     let (paper, wall) = (Contact::default().stiffness, actuator.thinnest_wall());
-    if c10 > 0.0 && wall > 0.0 { rounded(paper * c10 / Material::default().c10 / wall) } else { paper }
+    if !(shear_modulus > 0.0 && shear_modulus.is_finite() && wall > 0.0) {
+        return paper;
+    }
+    let half = 0.5 * Material::default().shear_modulus();
+    rounded(paper * (0.5 * shear_modulus) / half / wall)
 }
 
 /// Smallest load step, kPa: small beside the pressures of soft materials, too.
@@ -125,7 +102,7 @@ fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
 }
 
 /// To twelve digits: the paper's constants give the paper's numbers, not their neighbours.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     if !value.is_finite() || value == 0.0 {
         return value;
     }
@@ -140,11 +117,8 @@ mod tests {
 
     #[test]
     fn the_papers_material_gives_the_papers_numbers_and_others_scale() {
-        assert_eq!(default_bulk_modulus(0.2712), 1000.0);
-        assert_eq!(default_stiffness(0.2712, &Actuator::full()), 4.0);
-        assert_eq!(default_bulk_modulus(0.02712), 100.0);
+        assert_eq!(default_stiffness(0.5424, &Actuator::full()), 4.0);
         let thick = Actuator { top_wall: 2.0, side_wall: 2.0, cavity_length: 4.0, ..Actuator::full() };
-        assert_eq!(default_stiffness(0.5424, &thick), 4.0);
-        assert_eq!(default_bulk_modulus(f64::NAN), 1000.0);
+        assert_eq!(default_stiffness(1.0848, &thick), 4.0);
     }
 }

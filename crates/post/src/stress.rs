@@ -91,7 +91,7 @@ fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
 /// `None` if there is none. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
-    Yeoh::new(material).zero_slope()
+    Yeoh::of(material)?.zero_slope()
 }
 
 /// von Mises stress of a symmetric tensor (theory §3).
@@ -109,7 +109,7 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: SymmetricTensor) -> f64 {
 pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
     let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
-    let law = Yeoh::new(&problem.material);
+    let law = Yeoh::of(&problem.material).expect("other laws are refused by the case file");
     let fluctuation_modulus = problem.formulation.fluctuation_modulus(&problem.material);
     let kappa = problem.material.bulk_modulus - fluctuation_modulus;
     let deviatoric = tabulate(kind, deviatoric_rule(problem.formulation));
@@ -371,7 +371,7 @@ mod tests {
                 let u = displacement_of(&problem, |x| std::array::from_fn(|i| (0..3).map(|j| h[i][j] * x[j]).sum()));
                 let field = recover(&problem, &u).unwrap();
                 let k = Kinematics::new(&h).unwrap();
-                let law = Yeoh::new(&problem.material);
+                let law = Yeoh::of(&problem.material).unwrap();
                 let mut exact = law.cauchy_stress(&k);
                 let p = problem.material.bulk_modulus * k.jacobian_minus_1;
                 (0..3).for_each(|i| exact[i][i] += p);

@@ -11,6 +11,11 @@ pub fn jacobian<D: Dual>(g: &[[D; 3]; 3]) -> D {
     dot(column(0), cross(column(1), column(2)))
 }
 
+/// C₁₀, C₂₀, C₃₀, MPa; not numbers for a law that has no such constants.
+pub fn constants(material: &Material) -> [f64; 3] {
+    material.law.reduced_polynomial().unwrap_or([f64::NAN; 3])
+}
+
 /// Σ Cᵢ₀ (I − 3)ⁱ, MPa, with I = I₁ = tr(GᵀG) or I = J^(−2/3) I₁, as the material asks.
 pub fn deviatoric<D: Dual>(material: &Material, g: &[[D; 3]; 3]) -> D {
     let i1 = g.iter().map(|row| dot(*row, *row)).fold(D::from(0.0), |sum, x| sum + x);
@@ -19,7 +24,8 @@ pub fn deviatoric<D: Dual>(material: &Material, g: &[[D; 3]; 3]) -> D {
         Invariant::Isochoric => jacobian(g).powf(-2.0 / 3.0) * i1,
     };
     let e = invariant - 3.0;
-    e * material.c10 + e * e * material.c20 + e * e * e * material.c30
+    let [c10, c20, c30] = constants(material);
+    e * c10 + e * e * c20 + e * e * e * c30
 }
 
 /// The whole energy per reference volume, MPa: [`deviatoric`] + ½ κ (J − 1)².
@@ -76,7 +82,8 @@ mod tests {
             let inverse_transpose = g.try_inverse().unwrap().transpose();
             let scale = if invariant == Invariant::Full { 1.0 } else { j.powf(-2.0 / 3.0) };
             let e = scale * i1 - 3.0;
-            let slope = m.c10 + 2.0 * m.c20 * e + 3.0 * m.c30 * e * e;
+            let [c10, c20, c30] = constants(&m);
+            let slope = c10 + 2.0 * c20 * e + 3.0 * c30 * e * e;
             let direction = if invariant == Invariant::Full { g } else { g - inverse_transpose * (i1 / 3.0) };
             let expected = direction * (2.0 * slope * scale) + inverse_transpose * (m.bulk_modulus * (j - 1.0) * j);
             let found = first_piola_kirchhoff(&m, &DEFORMED);

@@ -292,7 +292,7 @@ fn build_element(
         let energy = SaddlePoint {
             material: problem.material.clone(),
             fluctuation_modulus: match problem.formulation {
-                Formulation::Tet10 => (2.0 * problem.material.c10).min(0.5 * problem.material.bulk_modulus),
+                Formulation::Tet10 => problem.material.shear_modulus().min(0.5 * problem.material.bulk_modulus),
                 _ => 0.0,
             },
             deviatoric: if is_deviatoric { w } else { 0.0 },

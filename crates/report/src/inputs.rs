@@ -37,7 +37,7 @@ const TABLES: [(&str, &str); 7] = [
 ];
 
 /// Keys in the order of the page, their meaning and unit.
-const KEYS: [(&str, &str, &str); 39] = [
+const KEYS: [(&str, &str, &str); 46] = [
     ("actuator.chambers", "number of chambers", ""),
     ("actuator.chamber_length", "outer length of one chamber", "mm"),
     ("actuator.cavity_length", "length of one cavity", "mm"),
@@ -57,8 +57,15 @@ const KEYS: [(&str, &str, &str); 39] = [
     ("material.c10", "coefficient of (I₁ − 3)", "MPa"),
     ("material.c20", "coefficient of (I₁ − 3)²", "MPa"),
     ("material.c30", "coefficient of (I₁ − 3)³", "MPa"),
+    ("material.c01", "coefficient of (I₂ − 3)", "MPa"),
+    ("material.c11", "coefficient of (I₁ − 3) (I₂ − 3)", "MPa"),
+    ("material.c02", "coefficient of (I₂ − 3)²", "MPa"),
+    ("material.mu", "shares of the shear modulus at rest", "MPa"),
+    ("material.alpha", "exponents of the principal stretches", ""),
     ("material.bulk_modulus", "bulk modulus", "MPa"),
     ("material.invariant", "first invariant in the energy", ""),
+    ("material.volumetric", "energy of a change of volume", ""),
+    ("material.density", "density", "g/cm³"),
     ("contact.method", "where contact is looked for", ""),
     ("contact.stiffness", "penalty stiffness", "N/mm³"),
     ("load.pressure_kpa", "pressures", "kPa"),

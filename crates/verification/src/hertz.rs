@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use pneuflex_contact::ContactModel;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Mesh, shape};
-use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Material, Problem};
+use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Law, Material, Problem};
 
 use crate::Effort;
 use crate::body::{at, body, displacement, hold, impose, last, material, near};
@@ -84,7 +84,7 @@ fn compare(formulation: Formulation, cells: usize) -> Result<Comparison, String>
     let state = last(impose(&problem, stages)?)?;
     let quarter: f64 = problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| at(&state.reaction, n)[2]).sum();
     let force = 4.0 * quarter.abs();
-    let modulus = 2.0 * 2.0 * problem.material.c10;
+    let modulus = 2.0 * problem.material.shear_modulus();
     let radius = (0.75 * force * RADIUS / modulus).cbrt();
     let peak = 1.5 * force / (PI * radius * radius);
     let points = touching_points(&problem, &state.displacement);
@@ -146,7 +146,7 @@ fn bodies(formulation: Formulation, cells: usize) -> Problem {
         let height = if rho < CONE { sphere(rho) } else { sphere(CONE) + slope * (rho - CONE) };
         [x, y, z + GAP + height * (1.0 - z / SIDE)]
     });
-    let neo_hookean = Material { c20: 0.0, c30: 0.0, ..material(300.0) };
+    let neo_hookean = Material { law: Law::NeoHooke { c10: 0.2712 }, ..material(300.0) };
     let mut problem = body(joined(flat, &ball), formulation, neo_hookean);
     problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness: STIFFNESS };
     problem.contact_pairs = vec![ContactPair { name: "ball".into(), slave, master }];

@@ -3,9 +3,15 @@
 use pneuflex_mesh::quadrature::gauss_legendre;
 use pneuflex_model::{Invariant, Material};
 
+/// C₁₀, C₂₀, C₃₀, MPa; not numbers for a law that has no such constants.
+fn constants(m: &Material) -> [f64; 3] {
+    m.law.reduced_polynomial().unwrap_or([f64::NAN; 3])
+}
+
 /// dW/dI₁ of the incompressible law, MPa, at e = I₁ − 3.
 pub fn slope(m: &Material, e: f64) -> f64 {
-    m.c10 + 2.0 * m.c20 * e + 3.0 * m.c30 * e * e
+    let [c10, c20, c30] = constants(m);
+    c10 + 2.0 * c20 * e + 3.0 * c30 * e * e
 }
 
 /// ∫ f over [a, b] by composite Gauss rules, good to rounding for smooth functions.
@@ -69,11 +75,12 @@ mod tests {
         let f = [[1.2, 0.1, -0.05], [0.03, 0.9, 0.2], [-0.1, 0.07, 1.1]];
         for invariant in [Invariant::Full, Invariant::Isochoric] {
             let m = Material { invariant, ..material(7.0) };
+            let [c10, c20, c30] = constants(&m);
             let energy = |f: &[[f64; 3]; 3]| {
                 let j = pneuflex_mesh::mesh::determinant(f);
                 let i1: f64 = f.as_flattened().iter().map(|x| x * x).sum();
                 let e = if invariant == Invariant::Full { i1 } else { i1 * j.powf(-2.0 / 3.0) } - 3.0;
-                m.c10 * e + m.c20 * e * e + m.c30 * e.powi(3) + 0.5 * m.bulk_modulus * (j - 1.0) * (j - 1.0)
+                c10 * e + c20 * e * e + c30 * e.powi(3) + 0.5 * m.bulk_modulus * (j - 1.0) * (j - 1.0)
             };
             let p = first_piola_kirchhoff(&m, &f);
             for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {

@@ -9,7 +9,7 @@
 use std::fmt::Write as _;
 
 use pneuflex_mesh::ElementKind;
-use pneuflex_model::{Invariant, MPA_PER_KPA, Problem};
+use pneuflex_model::{Invariant, Law, MPA_PER_KPA, Problem};
 
 /// CalculiX's number of the face for each of our local faces −ξ, +ξ, −η, +η, −ζ, +ζ.
 ///
@@ -65,13 +65,13 @@ pub fn deck(problem: &Problem, element: &str, pressures_kpa: &[f64], tip: usize)
         put(&mut text, format_args!("{}\n", lines.join(",\n")));
     }
     let material = &problem.material;
+    let Law::Yeoh { c10, c20, c30 } = material.law else {
+        return Err("the deck is written for Yeoh's law only".to_owned());
+    };
     put(&mut text, format_args!("*NSET, NSET=TIP\n{}\n", tip + 1));
     put(&mut text, format_args!("*MATERIAL, NAME=SILICONE\n*HYPERELASTIC, YEOH\n"));
     let d1 = 2.0 / material.bulk_modulus;
-    put(
-        &mut text,
-        format_args!("{:e}, {:e}, {:e}, {d1:e}, {NO_TERM}, {NO_TERM}\n", material.c10, material.c20, material.c30),
-    );
+    put(&mut text, format_args!("{:e}, {:e}, {:e}, {d1:e}, {NO_TERM}, {NO_TERM}\n", c10, c20, c30));
     text += "*SOLID SECTION, ELSET=BODY, MATERIAL=SILICONE\n*BOUNDARY\n";
     for (dof, _) in problem.held_dofs().iter().enumerate().filter(|(_, held)| **held) {
         let (node, axis) = (dof / 3 + 1, dof % 3 + 1);

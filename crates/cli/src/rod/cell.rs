@@ -471,7 +471,7 @@ mod tests {
         };
         let size = MeshSize::uniform(2.0);
         let material = Material::default();
-        let modulus = 6.0 * material.c10;
+        let modulus = 3.0 * material.shear_modulus();
         let mut problem =
             Problem::from_actuator(&actuator, &size, Formulation::Hex20, material, Contact::default()).unwrap();
         // A breath of air from below: the pressure inside has next to nothing to push at.
