@@ -4,9 +4,14 @@
 //! solves nothing.
 //!
 //! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
+//! * [`inp`]: the meaning of such a deck → a problem with a schedule.
 //! * [`report`]: places in files, what is wrong there, what is worth knowing.
 //!
 //! A deck has no units. It is taken in mm, N, MPa (and tonnes per mm³ for densities).
 
+pub mod inp;
 pub mod report;
 pub mod syntax;
+
+pub use inp::{Deck, Label, Schedule, read};
+pub use report::{DeckError, Note};

@@ -87,7 +87,14 @@ impl Lattice {
             .flat_map(|c| offsets.iter().map(|o| number[fine_index(std::array::from_fn(|d| 2 * c[d] + o[d]))]))
             .collect();
         LatticeMesh {
-            mesh: Mesh { kind, nodes, connectivity, node_sets: BTreeMap::new(), facet_sets: BTreeMap::new() },
+            mesh: Mesh {
+                kind,
+                nodes,
+                connectivity,
+                node_sets: BTreeMap::new(),
+                facet_sets: BTreeMap::new(),
+                element_sets: BTreeMap::new(),
+            },
             cells: solid_cells,
             is_meshed,
             size: cells,

@@ -14,7 +14,7 @@ pub struct Facet {
     pub face: u8,
 }
 
-/// Nodes and elements of one family, with named sets of nodes and facets.
+/// Nodes and elements of one family, with named sets of nodes, facets and elements.
 ///
 /// Sets are kept in name order and their members in ascending order, so that nothing depends on insertion.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub struct Mesh {
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Named facet sets; a facet's normal points out of the solid.
     pub facet_sets: BTreeMap<String, Vec<Facet>>,
+    /// Named element sets.
+    pub element_sets: BTreeMap<String, Vec<u32>>,
 }
 
 impl Mesh {
@@ -70,6 +72,11 @@ impl Mesh {
     /// Facets of the named set; empty if there is no such set.
     pub fn facet_set(&self, name: &str) -> &[Facet] {
         self.facet_sets.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Elements of the named set; empty if there is no such set.
+    pub fn element_set(&self, name: &str) -> &[u32] {
+        self.element_sets.get(name).map_or(&[], Vec::as_slice)
     }
 
     /// Volume of the solid in mm³, by the quadrature of the element family.

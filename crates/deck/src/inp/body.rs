@@ -1,0 +1,299 @@
+//! Nodes and elements → a mesh.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use pneuflex_mesh::mesh::determinant;
+use pneuflex_mesh::{Mesh, quadrature, shape};
+
+use super::context::Context;
+use super::element_types::Family;
+use super::linear_tets::add_mid_edge_nodes;
+use super::outline::{Item, Outline, Scope};
+use crate::report::{Place, quoted};
+use crate::syntax::integer;
+
+/// A node's or element's number within its scope.
+pub(super) type Number = (u32, i32);
+
+/// Nodes and elements of a deck.
+#[derive(Debug)]
+pub(super) struct Body {
+    pub scopes: Vec<Scope>,
+    pub family: Family,
+    /// Without sets.
+    pub mesh: Mesh,
+    /// Our numbers of the nodes that belong to an element.
+    pub nodes: BTreeMap<Number, u32>,
+    /// Nodes that belong to none.
+    pub lone_nodes: BTreeSet<Number>,
+    /// Our numbers of the elements.
+    pub elements: BTreeMap<Number, u32>,
+    /// The deck's numbers of our nodes; added mid-edge nodes have none.
+    pub node_numbers: Vec<Number>,
+    /// The deck's numbers of our elements.
+    pub element_numbers: Vec<Number>,
+    /// Where our elements are written.
+    pub element_places: Vec<Place>,
+}
+
+/// A node that a deck refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NodeReference {
+    /// Our number.
+    Node(u32),
+    /// It belongs to no element.
+    Lone,
+}
+
+struct WrittenNode {
+    position: [f64; 3],
+    place: Place,
+}
+
+struct WrittenElement {
+    number: Number,
+    place: Place,
+    nodes: Vec<i32>,
+}
+
+impl Body {
+    /// Reads all nodes and elements; `None` if there is no mesh to go on with.
+    pub fn read(outline: &mut Outline<'_>, context: &mut Context<'_>) -> Option<Self> {
+        let written = read_nodes(outline, context);
+        let (family, elements) = read_elements(outline, context);
+        let Some(family) = family else {
+            if !context.report.has_errors() {
+                context.error(Place { file: 0, line: 1 }, "the deck has no *ELEMENT");
+            }
+            return None;
+        };
+        let scopes = std::mem::take(&mut outline.scopes);
+        let mut is_used: BTreeMap<Number, u32> = BTreeMap::new();
+        let mut whole = true;
+        for element in &elements {
+            let unknown = element.nodes.iter().find(|&&node| !written.contains_key(&(element.number.0, node)));
+            if let Some(node) = unknown {
+                context.error(element.place, format!("element {}: there is no node {node}", element.number.1));
+                whole = false;
+            }
+            is_used.extend(element.nodes.iter().map(|&node| ((element.number.0, node), 0)));
+        }
+        if !whole {
+            return None;
+        }
+        for (number, index) in is_used.iter_mut().zip(0..) {
+            *number.1 = index;
+        }
+        let nodes = is_used;
+        let positions = nodes
+            .keys()
+            .filter_map(|number| Some(scopes[number.0 as usize].placement.place(written.get(number)?.position)));
+        let mut mesh = Mesh {
+            kind: family.kind(),
+            nodes: positions.collect(),
+            connectivity: elements
+                .iter()
+                .flat_map(|e| e.nodes.iter().map(|&node| nodes[&(e.number.0, node)]))
+                .collect(),
+            node_sets: BTreeMap::new(),
+            facet_sets: BTreeMap::new(),
+            element_sets: BTreeMap::new(),
+        };
+        if family == Family::Tet4 {
+            add_mid_edge_nodes(&mut mesh);
+        }
+        let lone_nodes: BTreeSet<Number> =
+            written.keys().filter(|number| !nodes.contains_key(number)).copied().collect();
+        if let Some(place) = lone_nodes.first().and_then(|number| Some(written.get(number)?.place)) {
+            context.note(place, format!("nodes that belong to no element are left out: {}", lone_nodes.len()));
+        }
+        let body = Self {
+            scopes,
+            family,
+            node_numbers: nodes.keys().copied().collect(),
+            mesh,
+            nodes,
+            lone_nodes,
+            elements: elements.iter().map(|e| e.number).zip(0..).collect(),
+            element_numbers: elements.iter().map(|e| e.number).collect(),
+            element_places: elements.iter().map(|e| e.place).collect(),
+        };
+        body.check_jacobians(context);
+        Some(body)
+    }
+
+    /// An element's number as the deck has it.
+    pub fn element_name(&self, element: u32) -> String {
+        self.name(self.element_numbers[element as usize])
+    }
+
+    /// A node's number as the deck has it.
+    pub fn node_name(&self, node: u32) -> String {
+        self.node_numbers.get(node as usize).map_or_else(|| "added on an edge".to_owned(), |&number| self.name(number))
+    }
+
+    fn name(&self, (scope, number): Number) -> String {
+        let scope = &self.scopes[scope as usize].name;
+        if scope.is_empty() { number.to_string() } else { format!("{scope}.{number}") }
+    }
+
+    /// The scope and the rest of a name that begins with an instance's, as in `PART-1.TOP`.
+    pub fn split<'t>(&self, text: &'t str) -> Option<(u32, &'t str)> {
+        self.scopes.iter().zip(0..).skip(1).find_map(|(scope, number)| {
+            let (head, rest) = (text.get(..scope.name.len())?, text.get(scope.name.len()..)?);
+            head.eq_ignore_ascii_case(&scope.name).then(|| rest.strip_prefix('.')).flatten().map(|rest| (number, rest))
+        })
+    }
+
+    /// A node by its number, with the instance before it or not. `None` if the text is no number.
+    pub fn node(&self, scope: u32, text: &str) -> Option<Result<NodeReference, String>> {
+        let number = self.number(scope, text)?;
+        Some(match self.nodes.get(&number) {
+            Some(&node) => Ok(NodeReference::Node(node)),
+            None if self.lone_nodes.contains(&number) => Ok(NodeReference::Lone),
+            None => Err(format!("there is no node {}", quoted(text))),
+        })
+    }
+
+    /// An element by its number, with the instance before it or not. `None` if the text is no number.
+    pub fn element(&self, scope: u32, text: &str) -> Option<Result<u32, String>> {
+        let number = self.number(scope, text)?;
+        Some(self.elements.get(&number).copied().ok_or_else(|| format!("there is no element {}", quoted(text))))
+    }
+
+    fn number(&self, scope: u32, text: &str) -> Option<Number> {
+        match self.split(text) {
+            Some((scope, rest)) => Some((scope, integer(rest).ok()?)),
+            None => Some((scope, integer(text).ok()?)),
+        }
+    }
+
+    /// Elements must not be turned inside out where their energy is integrated.
+    fn check_jacobians(&self, context: &mut Context<'_>) {
+        let rule = quadrature::volume(self.mesh.kind);
+        let gradients: Vec<_> = rule.iter().map(|(xi, _)| shape::tabulate(self.mesh.kind, *xi).1).collect();
+        for element in 0..self.mesh.num_elements() {
+            let jacobians: Vec<f64> =
+                gradients.iter().map(|gradients| determinant(&self.mesh.jacobian(element, gradients))).collect();
+            // Overflow leaves no number.
+            if !jacobians.iter().all(|&jacobian| jacobian > 0.0) {
+                let smallest = jacobians.into_iter().fold(f64::INFINITY, f64::min);
+                let name = self.element_name(element as u32);
+                let text = format!(
+                    "element {name} is inverted or flat: its Jacobian is {smallest:.3e}; check the order and the positions of its nodes"
+                );
+                context.error(self.element_places[element], text);
+            }
+        }
+    }
+}
+
+fn read_nodes(outline: &Outline<'_>, context: &mut Context<'_>) -> BTreeMap<Number, WrittenNode> {
+    let mut found: BTreeMap<Number, WrittenNode> = BTreeMap::new();
+    for Item { block, scope, .. } in outline.of("NODE") {
+        context.expect_word(block, "SYSTEM", &["R"]);
+        for line in &block.lines {
+            let fields = context.fields(line);
+            if fields.len() > 4 || fields.is_empty() {
+                context.error(line.place, "a node is its number and three coordinates");
+                continue;
+            }
+            let Some(number) = context.integer(line.place, fields[0]) else { continue };
+            let mut position = [0.0; 3];
+            for (i, x) in position.iter_mut().enumerate() {
+                *x = context.real_or_zero(line.place, fields.get(i + 1)).unwrap_or(0.0);
+            }
+            let node = WrittenNode { position, place: line.place };
+            if number < 1 {
+                context.error(line.place, format!("node {number}: numbers begin with 1"));
+            } else if let Some(first) = found.insert((scope, number), node) {
+                let (file, line_number) = (context.sources.names[first.place.file as usize].clone(), first.place.line);
+                context.error(line.place, format!("node {number} is there twice, first in {file}:{line_number}"));
+            }
+        }
+    }
+    found
+}
+
+fn read_elements(outline: &Outline<'_>, context: &mut Context<'_>) -> (Option<Family>, Vec<WrittenElement>) {
+    let mut first: Option<(Family, Place, String)> = None;
+    let mut found: Vec<WrittenElement> = Vec::new();
+    let mut places: BTreeMap<Number, Place> = BTreeMap::new();
+    for Item { block, scope, .. } in outline.of("ELEMENT") {
+        let Some(written) = context.required(block, "TYPE") else { continue };
+        let name = written.to_uppercase();
+        let family = match Family::of(&name) {
+            Ok(family) => family,
+            Err(why) => {
+                context.error(block.place, format!("elements of type {} cannot be solved: {why}", quoted(written)));
+                continue;
+            }
+        };
+        let (one, place, of_one) = first.get_or_insert_with(|| (family, block.place, name.clone()));
+        if *one != family {
+            let (file, line) = (context.sources.names[place.file as usize].clone(), place.line);
+            let text = format!(
+                "a deck must keep to one family of elements: {name} are {}, but {of_one} in {file}:{line} are {}",
+                family.words(),
+                one.words()
+            );
+            context.error(block.place, text);
+            continue;
+        }
+        context.note(block.place, family.note(&name));
+        for element in elements_of_block(block, scope, family, context) {
+            if element.number.1 < 1 {
+                context.error(element.place, format!("element {}: numbers begin with 1", element.number.1));
+            } else if let Some(first) = places.insert(element.number, element.place) {
+                let file = context.sources.names[first.file as usize].clone();
+                let text = format!("element {} is there twice, first in {file}:{}", element.number.1, first.line);
+                context.error(element.place, text);
+            } else {
+                found.push(element);
+            }
+        }
+    }
+    (first.map(|(family, ..)| family), found)
+}
+
+/// Elements go on in the next line until they have all their nodes.
+fn elements_of_block(
+    block: &crate::syntax::Block,
+    scope: u32,
+    family: Family,
+    context: &mut Context<'_>,
+) -> Vec<WrittenElement> {
+    let wanted = family.num_nodes();
+    let mut found: Vec<WrittenElement> = Vec::new();
+    let mut open = false;
+    for line in &block.lines {
+        let mut numbers = Vec::new();
+        for field in context.fields(line) {
+            match context.integer(line.place, field) {
+                Some(number) => numbers.push(number),
+                None => return found,
+            }
+        }
+        match (found.last_mut().filter(|_| open), numbers.split_first()) {
+            (Some(element), _) => element.nodes.extend(&numbers),
+            (None, Some((&number, nodes))) => {
+                found.push(WrittenElement { number: (scope, number), place: line.place, nodes: nodes.to_vec() });
+            }
+            (None, None) => continue,
+        }
+        let Some(element) = found.last() else { continue };
+        open = element.nodes.len() < wanted;
+        if element.nodes.len() > wanted {
+            let (number, has) = (element.number.1, element.nodes.len());
+            context.error(line.place, format!("element {number} has {has} nodes instead of {wanted}"));
+            found.pop();
+            return found;
+        }
+    }
+    if let (true, Some(element)) = (open, found.last()) {
+        let (number, has) = (element.number.1, element.nodes.len());
+        context.error(element.place, format!("element {number} has {has} nodes instead of {wanted}"));
+        found.pop();
+    }
+    found
+}

@@ -1,0 +1,203 @@
+//! The meaning of an Abaqus or CalculiX deck → a problem with a schedule.
+//!
+//! What cannot be solved is refused by keyword, file and line, all at once; what is solved in another way than the deck may mean it, or
+//! left out because it does not change what is solved, is told in notes.
+//!
+//! Time runs from 0 through the steps one after the other, each lasting the period of its `*STATIC` (1 by default). Loads and
+//! displacements without amplitude change linearly over the step that names them.
+
+mod body;
+mod boundary;
+mod constants;
+mod contact;
+mod context;
+mod element_types;
+mod histories;
+mod language;
+mod linear_tets;
+mod loads;
+mod materials;
+mod outline;
+mod placement;
+mod schedule;
+mod sets;
+
+use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_model::{Problem, Region};
+
+use crate::report::{DeckError, Note, Place, Report};
+use crate::syntax::{Block, Include, Sources, parse_into};
+use body::Body;
+use context::Context;
+use element_types::Family;
+use linear_tets::MidEdges;
+use loads::Loads;
+use materials::Materials;
+use outline::Outline;
+use schedule::Times;
+use sets::AllSets;
+
+/// A hard contact's penalty: this many times the slave's Young's modulus over the size of its faces, as Abaqus does by default.
+const HARD_CONTACT: f64 = 10.0;
+
+/// A deck as a problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deck {
+    /// First line of the heading; empty if there is none.
+    pub title: String,
+    /// What is solved.
+    pub problem: Problem,
+    /// When.
+    pub schedule: Schedule,
+    /// What was understood in another way than the deck may mean it.
+    pub notes: Vec<Note>,
+    /// The deck's numbers of the problem's nodes; nodes that were added on edges have none.
+    pub node_labels: Vec<Option<Label>>,
+    /// The deck's numbers of the problem's elements.
+    pub element_labels: Vec<Label>,
+}
+
+/// When a problem is solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// Times to land on, increasing: the ends of the steps, and all increments of steps with fixed ones.
+    pub times: Vec<f64>,
+    /// First increment.
+    pub first_increment: f64,
+}
+
+/// A number of a node or an element in a deck.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Label {
+    /// The instance; empty if the deck has none.
+    pub instance: String,
+    /// The number in it.
+    pub number: i32,
+}
+
+/// Reads a deck called `name` from its bytes. `include` finds the files that it includes.
+///
+/// # Errors
+/// Everything that is wrong or cannot be solved, by file and line.
+pub fn read(name: &str, text: Vec<u8>, include: &mut Include<'_>) -> Result<Deck, Vec<DeckError>> {
+    let mut report = Report::default();
+    let (sources, blocks) = parse_into(name, text, include, &mut report);
+    // A deck with lines that were not understood would be full of errors that follow from them.
+    let parts = if report.has_errors() { None } else { understand(&sources, &blocks, &mut report) };
+    let notes = report.finish(&sources.names)?;
+    match parts {
+        Some(parts) => Ok(Deck { notes, ..parts }),
+        None => Err(vec![DeckError { file: name.to_owned(), line: 1, text: "the deck holds no problem".to_owned() }]),
+    }
+}
+
+fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Option<Deck> {
+    let mut context = Context { sources, report };
+    let context = &mut context;
+    let mut outline = Outline::new(blocks, context);
+    let body = Body::read(&mut outline, context)?;
+    let outline = outline;
+    let sets = AllSets::read(&outline, &body, context);
+    let materials = Materials::read(&outline, &body, &sets, context);
+    let times = Times::read(&outline, context);
+    if outline.steps.is_empty() {
+        context.error(blocks.last().map_or(Place { file: 0, line: 1 }, |b| b.place), "the deck has no *STEP");
+    }
+    let held = boundary::read_supports(&outline, &body, &sets, &times, context);
+    let equations = boundary::read_equations(&outline, &body, &sets, &held, context);
+    let loads = Loads::read(&outline, &body, &sets, &times, context);
+    let hard = |facets: &[Facet]| hard_stiffness(&body, &materials, facets);
+    let (contact, contact_pairs) = contact::read_contact(&outline, &body, &sets, hard, context);
+    check_densities(&materials, &loads, context);
+    let regions = regions(&materials, context)?;
+    if context.report.has_errors() {
+        return None;
+    }
+    let mid_edges = (body.family == Family::Tet4).then(|| MidEdges::new(&body.mesh));
+    let mut problem = Problem::body(
+        mesh(&body, &sets, mid_edges.as_ref()),
+        body.family.formulation(),
+        regions.first()?.material.clone(),
+    );
+    problem.regions = regions.into_iter().skip(1).collect();
+    problem.supports = boundary::supports(&held, &times, mid_edges.as_ref());
+    problem.equations = equations;
+    problem.loads = loads.for_solver(&times);
+    problem.contact = contact;
+    problem.contact_pairs = contact_pairs;
+    let label = |&(scope, number): &body::Number| Label { instance: body.scopes[scope as usize].name.clone(), number };
+    let mut node_labels: Vec<Option<Label>> = body.node_numbers.iter().map(|number| Some(label(number))).collect();
+    node_labels.resize(problem.mesh.num_nodes(), None);
+    Some(Deck {
+        title: title(&outline, sources),
+        schedule: Schedule { times: times.landings(), first_increment: times.steps.first()?.first },
+        notes: Vec::new(),
+        node_labels,
+        element_labels: body.element_numbers.iter().map(label).collect(),
+        problem,
+    })
+}
+
+fn title(outline: &Outline<'_>, sources: &Sources) -> String {
+    let first = outline.of("HEADING").find_map(|item| item.block.lines.first());
+    first.map(|line| sources.text(line).to_owned()).unwrap_or_default()
+}
+
+/// One region per material, in the order of the sections; the first is to be the problem's own material.
+fn regions(materials: &Materials, context: &mut Context<'_>) -> Option<Vec<Region>> {
+    let mut found: Vec<(usize, Region)> = Vec::new();
+    for section in &materials.sections {
+        if let Some((_, region)) = found.iter_mut().find(|(material, _)| *material == section.material) {
+            region.elements.extend(&section.elements);
+            region.elements.sort_unstable();
+            continue;
+        }
+        let named = &materials.list[section.material];
+        let material = named.for_solver(section.place, context)?;
+        let region = Region { name: named.name.clone(), elements: section.elements.clone(), material };
+        found.push((section.material, region));
+    }
+    Some(found.into_iter().map(|(_, region)| region).collect())
+}
+
+fn check_densities(materials: &Materials, loads: &Loads, context: &mut Context<'_>) {
+    let Some(place) = loads.gravity else { return };
+    let weightless = materials.sections.iter().map(|section| &materials.list[section.material]);
+    if let Some(material) = weightless.into_iter().find(|material| material.density.is_none()) {
+        context.error(place, format!("gravity acts, but material {} has no *DENSITY", material.name));
+    }
+}
+
+/// The mesh with the deck's sets.
+fn mesh(body: &Body, sets: &AllSets, mid_edges: Option<&MidEdges>) -> Mesh {
+    let mut mesh = body.mesh.clone();
+    for (name, set) in sets.nodes.named(body) {
+        let mut nodes = set.members.clone();
+        nodes.sort_unstable();
+        if let Some(mid_edges) = mid_edges {
+            nodes.extend(mid_edges.of(|node| set.members.binary_search(&node).is_ok()));
+        }
+        mesh.node_sets.insert(name, nodes);
+    }
+    for (name, set) in sets.surfaces.named(body) {
+        mesh.facet_sets.insert(name, set.members.clone());
+    }
+    for (name, set) in sets.elements.named(body) {
+        mesh.element_sets.insert(name, set.members.clone());
+    }
+    mesh
+}
+
+/// Penalty for hard contact on faces, N/mm³: from the stiffest of the materials, for the faces' mean size.
+fn hard_stiffness(body: &Body, materials: &Materials, facets: &[Facet]) -> f64 {
+    let corners = body.mesh.face_kind().num_corners();
+    let size = |facet: &Facet| {
+        let nodes = body.mesh.facet_nodes(*facet);
+        let [a, b] = [nodes[0], nodes[corners - 1]].map(|node| body.mesh.nodes[node as usize]);
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    let mean = facets.iter().map(size).sum::<f64>() / facets.len().max(1) as f64;
+    let constants = materials.sections.iter().filter_map(|section| materials.list[section.material].constants.as_ref());
+    let shear_modulus = constants.map(|constants| constants.law.shear_modulus()).fold(0.0, f64::max);
+    if mean > 0.0 && shear_modulus > 0.0 { HARD_CONTACT * 3.0 * shear_modulus / mean } else { 1.0 }
+}
