@@ -25,19 +25,19 @@ fn kernels(c: &mut Criterion) {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut system = pool.install(|| System::new(&problem, Parallelism::Threads)).unwrap();
             group.bench_function(BenchmarkId::new("assembly", threads), |b| {
-                pool.install(|| b.iter(|| system.assemble(&u, 5e-3, Request::Tangent).unwrap()));
+                pool.install(|| b.iter(|| system.assemble(&u, 5.0, &[], Request::Tangent).unwrap()));
             });
             group.bench_function(BenchmarkId::new("contact search", threads), |b| {
                 pool.install(|| b.iter(|| contact.search(&touching)));
             });
             // A state whose tangent is positive definite: rest.
             let rest = vec![[0.0; 3]; u.len()];
-            pool.install(|| system.assemble(&rest, 0.0, Request::Tangent)).unwrap();
+            pool.install(|| system.assemble(&rest, 0.0, &[], Request::Tangent)).unwrap();
             group.bench_function(BenchmarkId::new("factorisation", threads), |b| {
                 pool.install(|| b.iter(|| system.factorize().unwrap()));
             });
             // The residual of a small pressure; a correction to warp.
-            pool.install(|| system.assemble(&rest, 1e-3, Request::Tangent)).unwrap();
+            pool.install(|| system.assemble(&rest, 1.0, &[], Request::Tangent)).unwrap();
             pool.install(|| system.factorize()).unwrap();
             group.bench_function(BenchmarkId::new("solution", threads), |b| {
                 pool.install(|| b.iter(|| system.solve(None).unwrap()));
@@ -47,7 +47,7 @@ fn kernels(c: &mut Criterion) {
                 pool.install(|| {
                     b.iter(|| {
                         let mut moved = rest.clone();
-                        system.warp(&mut moved, &correction).unwrap();
+                        system.warp(&mut moved, &correction.displacement).unwrap();
                         moved
                     });
                 });
@@ -56,12 +56,12 @@ fn kernels(c: &mut Criterion) {
                 pool.install(|| {
                     b.iter(|| {
                         system.carry_pressures(&rest);
-                        system.assemble(&rest, 0.0, Request::Tangent).unwrap();
+                        system.assemble(&rest, 0.0, &[], Request::Tangent).unwrap();
                         system.factorize().unwrap();
                         let correction = system.solve(None).unwrap();
                         let mut moved = rest.clone();
-                        system.carry(&rest, &correction);
-                        system.warp(&mut moved, &correction).unwrap();
+                        system.carry(&rest, &correction.displacement);
+                        system.warp(&mut moved, &correction.displacement).unwrap();
                         moved
                     });
                 });

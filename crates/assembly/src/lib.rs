@@ -3,8 +3,8 @@
 //! Two levels that know nothing of each other:
 //!
 //! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
-//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`Pressure`] and [`Contact`] are
-//!   contributions.
+//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`Pressure`], [`Contact`] and [`Equations`] are
+//!   contributions; forces that never change are in [`dead`].
 //! * global: [`Assembler`] knows blocks and node numbers only, and scatters what the blocks compute into a residual
 //!   vector and a node-blocked symmetric matrix.
 //!
@@ -19,6 +19,8 @@
 //! number of threads, and scattering costs a small part of computing.
 
 pub mod contact;
+pub mod dead;
+pub mod equations;
 pub mod formulation;
 pub mod global;
 mod kernel;
@@ -27,6 +29,7 @@ pub mod pressure;
 pub mod solid;
 
 pub use contact::Contact;
+pub use equations::Equations;
 pub use formulation::ReferenceElement;
 pub use global::{Assembler, Totals};
 pub use local::{LocalBlock, LocalContribution, LocalError, Request};

@@ -6,7 +6,7 @@
 //! faces and, on the rim, act on held displacements only.
 //!
 //! The potential is −p V. Of the many surface integrals for the volume V the one with the field (0, y, 0) is used,
-//! `V = −∮ y n_y dS`: a rim in the symmetry plane y = 0 adds nothing to it or to its derivatives. (The form ⅓∮ r·n dS
+//! `V = −∮ y n_y dS`: a rim in the symmetry plane y = 0, or in planes x = const and z = const, adds nothing to it or to its derivatives. (The form ⅓∮ r·n dS
 //! has the right derivative along the plane, but adds forces normal to it along the rim.)
 
 use pneuflex_mesh::{Facet, Mesh, quadrature, shape, shape::FaceShape};
@@ -18,6 +18,8 @@ use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 pub struct Pressure {
     /// Pressure, MPa.
     pub pressure: f64,
+    /// Coordinate y of the plane that the volume is measured from, mm: that of a plane of symmetry y = const that cuts the cavity.
+    pub plane_y: f64,
     nodes: Vec<[f64; 3]>,
     faces: Vec<u32>,
     nodes_per_face: usize,
@@ -30,6 +32,7 @@ impl Pressure {
         let kind = mesh.face_kind();
         Self {
             pressure: 0.0,
+            plane_y: 0.0,
             nodes: mesh.nodes.clone(),
             faces: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
             nodes_per_face: kind.num_nodes(),
@@ -37,7 +40,8 @@ impl Pressure {
         }
     }
 
-    /// Volume of the air behind the faces, mm³; exact for a cavity that is closed or cut by the plane y = 0 only.
+    /// Volume of the air behind the faces, mm³; exact for a cavity that is closed, or cut by planes x = const, z = const and
+    /// y = [`Self::plane_y`].
     pub fn volume(&self, displacement: &[[f64; 3]]) -> f64 {
         (0..self.num_blocks()).map(|face| self.face_volume(face, displacement)).sum()
     }
@@ -47,7 +51,7 @@ impl Pressure {
         for (shape, weight) in &self.rule {
             let (position, tangents) = self.geometry(face, displacement, shape);
             let n_y = tangents[0][2] * tangents[1][0] - tangents[0][0] * tangents[1][2];
-            volume -= weight * position[1] * n_y;
+            volume -= weight * (position[1] - self.plane_y) * n_y;
         }
         volume
     }

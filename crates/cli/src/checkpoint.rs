@@ -95,13 +95,13 @@ pub fn load(folder: &OutputFolder, case: &Case) -> Result<Start, InputError> {
     let pressures = &case.load.pressure_kpa;
     let count = loaded.recorded.steps.len();
     let goes_on = landed.eq(pressures.iter().copied().take(count))
-        && pressures.get(count).is_none_or(|next| *next >= loaded.path.pressure_kpa)
+        && pressures.get(count).is_none_or(|next| *next >= loaded.path.time)
         // The last pressure reached may not be among the steps yet.
-        && (!old.load.pressure_kpa.contains(&loaded.path.pressure_kpa) || pressures.contains(&loaded.path.pressure_kpa));
+        && (!old.load.pressure_kpa.contains(&loaded.path.time) || pressures.contains(&loaded.path.time));
     if !goes_on {
         return Err(again(format!(
             "load.pressure_kpa leaves out a pressure that was reached; it may only change beyond {} kPa",
-            loaded.path.pressure_kpa
+            loaded.path.time
         )));
     }
     Ok(Start::From(Box::new((loaded.recorded, loaded.path))))

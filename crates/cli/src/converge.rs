@@ -147,7 +147,7 @@ fn solve(case: &Case, problem: &Problem, divisions: usize) -> (Level, Result<(),
     });
     let (iterations, ended) = match result {
         Ok(report) => (report.iterations, measured),
-        Err((failure, report)) => (report.iterations, Err(failure.to_string())),
+        Err(ended) => (ended.1.iterations, Err(ended.0.to_string())),
     };
     let elements = problem.mesh.num_elements();
     let level = Level {
@@ -169,7 +169,7 @@ fn measure(problem: &Problem, state: &LandedState) -> Result<Measured, PostError
         [u[first], u[first + 1], u[first + 2]]
     });
     Ok(Measured {
-        pressure_kpa: state.pressure_kpa,
+        pressure_kpa: state.time,
         end_face_angle_deg: measures::end_face_angle_deg(problem, u)?,
         tip_displacement_mm: tip.iter().map(|x| x * x).sum::<f64>().sqrt(),
         von_mises_p99_mpa: stress::recover(problem, u)?.von_mises_quantile(0.99),

@@ -70,7 +70,8 @@ pub enum WarningKind {
 /// Why a path ended, from its failure and the displacements (mm, three per node) of the last equilibrium; `None` for one that was
 /// interrupted.
 pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Option<Reason> {
-    let Failure { reached_kpa, cause, stability, .. } = failure;
+    let Failure { cause, stability, .. } = failure;
+    let reached = failure.clock.words(failure.reached);
     if *cause == Cause::Interrupted {
         return None;
     }
@@ -79,7 +80,7 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
         return Some(Reason {
             kind: ReasonKind::MaterialLimit,
             is_physical: true,
-            message: format!("at {reached_kpa:.4} kPa {message}"),
+            message: format!("at {reached} {message}"),
             advice: "stay below this pressure, make the walls thicker, or use constants that were fitted to larger stretches \
                      (`pneuflex fit` prints the range in which a set is stable)"
                 .into(),
@@ -96,7 +97,7 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
             kind: ReasonKind::Instability,
             is_physical: true,
             message: format!(
-                "the equilibrium becomes unstable at {reached_kpa:.4} kPa: {motion}, and no equilibrium at a higher pressure is near"
+                "the equilibrium becomes unstable at {reached}: {motion}, and no equilibrium at a higher pressure is near"
             ),
             advice: "stay below this pressure, or make the walls that bulge thicker or shorter; the shape at the last pressure shows \
                      which"
@@ -107,16 +108,14 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
         return Some(Reason {
             kind: ReasonKind::WallsCross,
             is_physical: false,
-            message: format!("the contact between chambers does not settle beyond {reached_kpa:.4} kPa: {cause}"),
+            message: format!("the contact between chambers does not settle beyond {reached}: {cause}"),
             advice: "try a finer mesh (mesh.resolution), or half or twice the contact.stiffness".into(),
         });
     }
     Some(Reason {
         kind: ReasonKind::NotConverged,
         is_physical: false,
-        message: format!(
-            "Newton's method finds no equilibrium beyond {reached_kpa:.4} kPa, and it is not clear why: {cause}"
-        ),
+        message: format!("Newton's method finds no equilibrium beyond {reached}, and it is not clear why: {cause}"),
         advice: "try smaller steps (solver.max_step_kpa, solver.min_step_kpa), another mesh.resolution, or a lower \
                  material.bulk_modulus"
             .into(),
@@ -209,6 +208,7 @@ fn first_and_last<'a>(
 mod tests {
     use super::*;
     use crate::args::CaseKind;
+    use pneuflex_model::Clock;
     use pneuflex_newton::Stability;
 
     fn case(change: &str) -> Case {
@@ -220,7 +220,8 @@ mod tests {
     }
 
     fn failure(cause: Cause, softening: f64) -> Failure {
-        Failure { reached_kpa: 7.0, attempted_kpa: 8.0, cause, stability: Stability { softening, negative_pivots: 0 } }
+        let stability = Stability { softening, negative_pivots: 0 };
+        Failure { reached: 7.0, attempted: 8.0, cause, stability, clock: Clock::Pressure }
     }
 
     #[test]

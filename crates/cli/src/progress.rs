@@ -82,7 +82,7 @@ impl Progress {
         match &self.output {
             Output::Bar(bar) => {
                 let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
-                bar.set_message(format!("step {} to {:.3} kPa, {text}{left}", record.step, record.pressure_kpa));
+                bar.set_message(format!("step {} to {:.3} kPa, {text}{left}", record.step, record.time));
             }
             _ => self.line(&format!("  {text}")),
         }

@@ -208,13 +208,13 @@ impl<'a> Recorder<'a> {
 
     fn write_step(&mut self, landed: &LandedState) -> Result<(), String> {
         let state = State {
-            pressure_kpa: landed.pressure_kpa,
+            pressure_kpa: landed.time,
             displacement: &landed.displacement,
             reaction: &landed.reaction,
             iterations: landed.iterations,
             load_steps: landed.load_steps,
         };
-        let at = |e: pneuflex_post::PostError| format!("results at {} kPa: {e}", landed.pressure_kpa);
+        let at = |e: pneuflex_post::PostError| format!("results at {} kPa: {e}", landed.time);
         let described = describe(self.problem, &self.summary.probes, &state).map_err(at)?;
         if self.case.output.fields {
             let (body, walls) = described.field_files(self.problem, &state).map_err(at)?;
@@ -224,7 +224,7 @@ impl<'a> Recorder<'a> {
                     self.folder.write(&format!("fields/{name}_{number:02}.vtu"), &text)?;
                 }
             }
-            self.list_fields(landed.pressure_kpa);
+            self.list_fields(landed.time);
             self.folder.write("fields/series.pvd", series(&self.series))?;
         }
         self.summary.steps.push(Step::Landed(Box::new(described.summary)));
@@ -237,12 +237,12 @@ impl<'a> Recorder<'a> {
     /// The first thing that could not be recorded.
     pub fn finish(
         &mut self,
-        result: &Result<PathReport, (Failure, PathReport)>,
+        result: &Result<PathReport, Box<(Failure, PathReport)>>,
         reason: Option<Reason>,
     ) -> Result<Option<String>, String> {
         let (report, failure) = match result {
             Ok(report) => (report, None),
-            Err((failure, report)) => (report, Some(failure)),
+            Err(ended) => (&ended.1, Some(&ended.0)),
         };
         self.summary.timing.path = report.timing;
         self.summary.iterations_total = report.iterations;

@@ -88,7 +88,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         folder.path().display()
     ));
     match &from {
-        Some(checkpoint) => progress.line(&format!("going on from {} kPa", checkpoint.pressure_kpa)),
+        Some(checkpoint) => progress.line(&format!("going on from {}", problem.clock.words(checkpoint.time))),
         None if arguments.resume => progress.line("nothing to go on with: starting from rest"),
         None => {}
     }
@@ -101,7 +101,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     let result = follow(&problem, remaining, &file.case.solver, from, &mut |event| {
         match event {
-            Event::StepStarted { step, pressure_kpa } => progress.step_started(step, pressure_kpa),
+            Event::StepStarted { step, time } => progress.step_started(step, time),
             Event::Iteration(record) => {
                 recorder.iteration(record);
                 progress.iteration(record);
@@ -123,11 +123,11 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     });
     progress.finish();
     let folder = recorder.folder().path().to_owned();
-    let reason = result.as_ref().err().and_then(|(failure, _)| explain(&problem, failure, &last_equilibrium));
+    let reason = result.as_ref().err().and_then(|ended| explain(&problem, &ended.0, &last_equilibrium));
     let advice = reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice)).unwrap_or_default();
     let failure = recorder.finish(&result, reason).map_err(CliError::Output)?;
-    let is_interrupted = matches!(&result, Err((Failure { cause: Cause::Interrupted, .. }, _)));
-    let (Ok(report) | Err((_, report))) = result;
+    let is_interrupted = matches!(&result, Err(ended) if ended.0.cause == Cause::Interrupted);
+    let report = result.unwrap_or_else(|ended| ended.1);
     if !arguments.no_report {
         report_or_warn(recorder.folder(), &mut progress);
     }
@@ -159,16 +159,17 @@ fn follow(
     settings: &Solver,
     from: Option<Checkpoint>,
     observer: &mut dyn FnMut(Event<'_>),
-) -> Result<PathReport, (Failure, PathReport)> {
+) -> Result<PathReport, Box<(Failure, PathReport)>> {
     let unable = |error: String| {
-        let attempted_kpa = pressures.first().copied().unwrap_or(0.0);
+        let attempted = pressures.first().copied().unwrap_or(0.0);
         let failure = Failure {
-            reached_kpa: 0.0,
-            attempted_kpa,
+            reached: 0.0,
+            attempted,
             cause: Cause::SingularTangent(error),
             stability: Stability::default(),
+            clock: problem.clock,
         };
-        (failure, PathReport { iterations: 0, timing: Timing::default() })
+        Box::new((failure, PathReport { iterations: 0, timing: Timing::default() }))
     };
     let mut path = Path::new(problem, settings, observer).map_err(|e| unable(e.to_string()))?;
     path.stop_when(interrupt::listen());
@@ -177,7 +178,7 @@ fn follow(
     }
     for &pressure in pressures {
         if let Err(failure) = path.land_on(pressure) {
-            return Err((failure, PathReport { iterations: path.iterations(), timing: path.timing() }));
+            return Err(Box::new((failure, PathReport { iterations: path.iterations(), timing: path.timing() })));
         }
     }
     Ok(PathReport { iterations: path.iterations(), timing: path.timing() })

@@ -149,12 +149,15 @@ pub struct Solver {
     pub residual_tolerance: f64,
     /// Iterations after which a load step is given up and halved.
     pub max_iterations: usize,
-    /// First load step, kPa.
-    pub first_step_kpa: f64,
-    /// Largest load step, kPa.
-    pub max_step_kpa: f64,
-    /// A step smaller than this ends the run as not converged, kPa.
-    pub min_step_kpa: f64,
+    /// First load step: kPa for actuators, else a time.
+    #[serde(rename = "first_step_kpa")]
+    pub first_step: f64,
+    /// Largest load step.
+    #[serde(rename = "max_step_kpa")]
+    pub max_step: f64,
+    /// A step smaller than this ends the run as not converged.
+    #[serde(rename = "min_step_kpa")]
+    pub min_step: f64,
 }
 
 /// What is written besides the summary.
@@ -177,9 +180,9 @@ impl Default for Solver {
             tolerance: 1e-6,
             residual_tolerance: 1e-8,
             max_iterations: 25,
-            first_step_kpa: 5.0,
-            max_step_kpa: 20.0,
-            min_step_kpa: 1e-3,
+            first_step: 5.0,
+            max_step: 20.0,
+            min_step: 1e-3,
         }
     }
 }
@@ -405,11 +408,11 @@ impl Solver {
     fn check(&self, found: &mut Problems) {
         found.unless_positive("solver.tolerance", self.tolerance, " (mm, N)");
         found.unless_positive("solver.residual_tolerance", self.residual_tolerance, "");
-        found.unless_positive("solver.first_step_kpa", self.first_step_kpa, " kPa");
-        found.unless_positive("solver.min_step_kpa", self.min_step_kpa, " kPa");
-        found.unless_positive("solver.max_step_kpa", self.max_step_kpa, " kPa");
-        if self.max_step_kpa < self.min_step_kpa {
-            found.add("solver.max_step_kpa", &self.max_step_kpa, "must not be below solver.min_step_kpa");
+        found.unless_positive("solver.first_step_kpa", self.first_step, " kPa");
+        found.unless_positive("solver.min_step_kpa", self.min_step, " kPa");
+        found.unless_positive("solver.max_step_kpa", self.max_step, " kPa");
+        if self.max_step < self.min_step {
+            found.add("solver.max_step_kpa", &self.max_step, "must not be below solver.min_step_kpa");
         }
         if !(2..=1000).contains(&self.max_iterations) {
             found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");

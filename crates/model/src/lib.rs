@@ -19,7 +19,7 @@ pub use case::{
 };
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};
 pub use material::{Invariant, Law, Material, OgdenTerm, Volumetric};
-pub use problem::{ContactPair, Problem, Region, Support};
+pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 
 /// MPa per kPa.
 pub const MPA_PER_KPA: f64 = 1e-3;

@@ -30,6 +30,41 @@ pub struct Problem {
     pub contact: Contact,
     /// Surfaces that may touch.
     pub contact_pairs: Vec<ContactPair>,
+    /// What the time of a load path stands for.
+    pub clock: Clock,
+}
+
+/// What the time of a load path stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// The air pressure in kPa.
+    #[default]
+    Pressure,
+    /// Steps of a schedule.
+    Steps,
+}
+
+impl Clock {
+    /// A time in words, e.g. `35 kPa`.
+    pub fn words(self, time: f64) -> String {
+        match self {
+            Self::Pressure => format!("{time:.4} kPa"),
+            Self::Steps => format!("time {time:.6}"),
+        }
+    }
+}
+
+/// A cavity whose volume is not defined.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the volume of cavity {cavity} is not defined: its walls must be closed, or end in planes of symmetry (x, y or z = const, at most one \
+     of them y = const) in which they are held; they are open near ({:.4}, {:.4}, {:.4})", .near[0], .near[1], .near[2]
+)]
+pub struct OpenCavity {
+    /// Name of the cavity.
+    pub cavity: String,
+    /// A point of the rim, mm.
+    pub near: [f64; 3],
 }
 
 /// Elements of one material.
@@ -83,6 +118,7 @@ impl Problem {
             loads: Vec::new(),
             contact: Contact { method: ContactMethod::None, ..Contact::default() },
             contact_pairs: Vec::new(),
+            clock: Clock::Pressure,
         }
     }
 
@@ -168,6 +204,44 @@ impl Problem {
             }
         }
         displacement
+    }
+
+    /// Coordinate y of the plane of symmetry y = const that cuts a cavity, mm; 0 if there is none. What the cavity lacks to be closed must
+    /// lie in planes normal to an axis in which the nodes of its rim are held along that axis.
+    ///
+    /// # Errors
+    /// [`OpenCavity`] if it is not closed in this sense, or cut by two planes y = const.
+    pub fn cavity_plane(&self, cavity: &Cavity) -> Result<f64, OpenCavity> {
+        let corners = self.mesh.face_kind().num_corners();
+        let mut edges: Vec<[u32; 2]> = Vec::new();
+        for &facet in &cavity.facets {
+            let nodes = self.mesh.facet_nodes(facet);
+            edges.extend((0..corners).map(|i| {
+                let (a, b) = (nodes[i], nodes[(i + 1) % corners]);
+                [a.min(b), a.max(b)]
+            }));
+        }
+        edges.sort_unstable();
+        let rim = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]);
+        let held = self.held_dofs();
+        let mut plane_y: Option<f64> = None;
+        for [a, b] in rim {
+            let open = || OpenCavity { cavity: cavity.name.clone(), near: self.mesh.nodes[a as usize] };
+            let [xa, xb] = [a, b].map(|node| self.mesh.nodes[node as usize]);
+            let lies_in = |axis: usize| {
+                let is_flat = (xa[axis] - xb[axis]).abs() < 1e-9 * (1.0 + xa[axis].abs());
+                is_flat && [a, b].iter().all(|&node| held[3 * node as usize + axis])
+            };
+            if lies_in(0) || lies_in(2) {
+                continue;
+            }
+            let is_same = |y: f64| (y - xa[1]).abs() < 1e-9 * (1.0 + y.abs());
+            if !lies_in(1) || plane_y.is_some_and(|y| !is_same(y)) {
+                return Err(open());
+            }
+            plane_y = Some(xa[1]);
+        }
+        Ok(plane_y.unwrap_or(0.0))
     }
 
     /// Walls of all cavities, one cavity after the other.

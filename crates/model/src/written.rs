@@ -48,9 +48,15 @@ struct WrittenSolver {
 
 impl Default for WrittenSolver {
     fn default() -> Self {
-        let Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } =
-            Solver::default();
-        Self { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa: None }
+        let Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, .. } = Solver::default();
+        Self {
+            tolerance,
+            residual_tolerance,
+            max_iterations,
+            first_step_kpa: first_step,
+            max_step_kpa: max_step,
+            min_step_kpa: None,
+        }
     }
 }
 
@@ -64,10 +70,10 @@ impl From<Written> for Case {
     fn from(written: Written) -> Self {
         let Written { title, actuator, mesh, material, contact, load, probes, solver, output } = written;
         let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.shear_modulus(), &actuator));
-        let min_step_kpa = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
+        let min_step = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
-        let solver =
-            Solver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, min_step_kpa };
+        let (first_step, max_step) = (first_step_kpa, max_step_kpa);
+        let solver = Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, min_step };
         Self {
             title,
             mesh,
@@ -96,7 +102,7 @@ fn default_stiffness(shear_modulus: f64, actuator: &Actuator) -> f64 {
 /// Smallest load step, kPa: small beside the pressures of soft materials, too.
 fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
     let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
-    let default = Solver::default().min_step_kpa;
+    let default = Solver::default().min_step;
     let small = if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default };
     if max_step_kpa > 0.0 { small.min(max_step_kpa) } else { small }
 }

@@ -10,12 +10,14 @@ use crate::history::Timing;
 /// An accepted load step and the path's memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Pressure reached, kPa.
-    pub pressure_kpa: f64,
+    /// Time reached.
+    pub time: f64,
     /// Displacements, mm, one entry per node.
     pub displacement: Vec<[f64; 3]>,
     /// Multipliers λ of the supports, N, three per node.
     pub multipliers: Vec<f64>,
+    /// Unknowns beside the displacements, see [`crate::System::border_len`].
+    pub border: Vec<f64>,
     /// Contact points that carry traction.
     pub contact_points: usize,
     /// Whether the equilibrium is solved well enough to go on from only, not to the tolerances asked for.
@@ -26,30 +28,32 @@ pub struct Checkpoint {
     pub iterations: usize,
     /// Seconds spent so far.
     pub timing: Timing,
-    /// How far the path is on its way to the next requested pressure.
+    /// How far the path is on its way to the next requested time.
     pub approach: Approach,
-    /// Largest stretching per pressure at the beginning of the path, 1/kPa.
+    /// Largest stretching per time at the beginning of the path.
     pub first_rate: Option<f64>,
     /// Tangent whose factor predicts the next step.
     pub linearisation: Option<Linearisation>,
 }
 
-/// The way to a requested pressure.
+/// The way to a requested time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Approach {
-    /// Size of the next load step, kPa.
-    pub step_kpa: f64,
-    /// Load steps accepted since the previous requested pressure.
+    /// Size of the next load step.
+    pub step: f64,
+    /// Load steps accepted since the previous requested time.
     pub load_steps: usize,
-    /// Iterations up to the previous requested pressure.
+    /// Iterations up to the previous requested time.
     pub iterations_before: usize,
 }
 
 /// A tangent by what it is made from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Linearisation {
-    /// Air pressure, MPa.
-    pub pressure: f64,
+    /// Time.
+    pub time: f64,
+    /// Unknowns beside the displacements.
+    pub border: Vec<f64>,
     /// Displacements, mm, one entry per node.
     pub displacement: Vec<[f64; 3]>,
     /// Source of the carried pressures.
@@ -77,21 +81,23 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What does not fit.
-    pub fn check(&self, num_nodes: usize, num_contact_points: usize) -> Result<(), Misfit> {
+    pub fn check(&self, num_nodes: usize, num_contact_points: usize, border_len: usize) -> Result<(), Misfit> {
         let field = |values: &[[f64; 3]]| values.len() == num_nodes && is_finite(values.as_flattened());
         let fits = field(&self.displacement) && self.multipliers.len() == 3 * num_nodes && is_finite(&self.multipliers);
-        let pressures = [self.pressure_kpa, self.approach.step_kpa];
-        if !fits || !is_finite(&pressures) || self.pressure_kpa <= 0.0 || self.approach.step_kpa <= 0.0 {
+        let beside = |border: &[f64]| border.len() == border_len && is_finite(border);
+        let times = [self.time, self.approach.step];
+        if !fits || !beside(&self.border) || !is_finite(&times) || self.time <= 0.0 || self.approach.step <= 0.0 {
             return Err(Misfit("its state"));
         }
         let Some(linearisation) = &self.linearisation else { return Ok(()) };
-        let Linearisation { pressure, displacement, carried, tractions } = linearisation;
+        let Linearisation { time, border, displacement, carried, tractions } = linearisation;
         let fits = field(displacement)
+            && beside(border)
             && field(&carried.displacement)
             && carried.correction.as_ref().is_none_or(|correction| field(correction))
             && tractions.len() == num_contact_points
             && is_finite(tractions)
-            && pressure.is_finite();
+            && time.is_finite();
         if fits { Ok(()) } else { Err(Misfit("its tangent")) }
     }
 }

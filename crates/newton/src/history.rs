@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use pneuflex_model::Clock;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
@@ -15,8 +16,8 @@ pub struct IterationRecord {
     pub iteration: usize,
     /// Whether this correction is one of a new tangent; otherwise the factor of the iteration was used again.
     pub new_tangent: bool,
-    /// Pressure of the attempt, kPa.
-    pub pressure_kpa: f64,
+    /// Time of the attempt.
+    pub time: f64,
     /// ‖\[Δq; Δλ\]‖, mm and N.
     pub correction: f64,
     /// Norm of the residual over the free degrees of freedom before the correction, N.
@@ -31,11 +32,11 @@ pub struct IterationRecord {
     pub elapsed_s: f64,
 }
 
-/// An equilibrium at one of the requested pressures.
+/// An equilibrium at one of the requested times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandedState {
-    /// Requested pressure, kPa.
-    pub pressure_kpa: f64,
+    /// Requested time: the pressure in kPa for actuators.
+    pub time: f64,
     /// Displacements, mm, three per node.
     pub displacement: Vec<f64>,
     /// Forces of the supports on the body, N, three per node, zero at free degrees of freedom: −λ of R + Φᵀλ = 0.
@@ -46,6 +47,8 @@ pub struct LandedState {
     pub load_steps: usize,
     /// Contact points that carry traction.
     pub contact_points: usize,
+    /// Pressure in every cavity above the atmosphere's, MPa.
+    pub cavity_pressures: Vec<f64>,
 }
 
 /// What an observer is told while a path is followed.
@@ -55,8 +58,8 @@ pub enum Event<'a> {
     StepStarted {
         /// Load step, from 1.
         step: usize,
-        /// Pressure aimed at, kPa.
-        pressure_kpa: f64,
+        /// Time aimed at.
+        time: f64,
     },
     /// An iteration is done.
     Iteration(&'a IterationRecord),
@@ -64,14 +67,14 @@ pub enum Event<'a> {
     StepRejected {
         /// Load step, from 1.
         step: usize,
-        /// Pressure aimed at, kPa.
-        pressure_kpa: f64,
+        /// Time aimed at.
+        time: f64,
         /// Why.
         cause: &'a Cause,
     },
     /// A load step is done; the path can be resumed from here.
     StepAccepted(&'a Checkpoint),
-    /// A requested pressure is reached.
+    /// A requested time is reached.
     Landed(&'a LandedState),
 }
 
@@ -134,14 +137,16 @@ pub enum Cause {
 /// A path that could not be followed to its end; everything landed on before was reported by [`Event::Landed`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// Pressure of the last equilibrium, kPa.
-    pub reached_kpa: f64,
-    /// Pressure of the last failed attempt, kPa.
-    pub attempted_kpa: f64,
+    /// Time of the last equilibrium.
+    pub reached: f64,
+    /// Time of the last failed attempt.
+    pub attempted: f64,
     /// Why the last attempt failed.
     pub cause: Cause,
     /// How firm the last equilibrium is.
     pub stability: Stability,
+    /// What times stand for.
+    pub clock: Clock,
 }
 
 /// How firm an equilibrium is.
@@ -156,13 +161,12 @@ pub struct Stability {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { reached_kpa, attempted_kpa, cause, .. } = self;
-        match cause {
-            Cause::Interrupted => write!(f, "interrupted at {reached_kpa:.4} kPa"),
-            _ => write!(
-                f,
-                "not converged: the path stops at {reached_kpa:.4} kPa, the step to {attempted_kpa:.4} kPa failed: {cause}"
-            ),
+        let [reached, attempted] = [self.reached, self.attempted].map(|time| self.clock.words(time));
+        match &self.cause {
+            Cause::Interrupted => write!(f, "interrupted at {reached}"),
+            cause => {
+                write!(f, "not converged: the path stops at {reached}, the step to {attempted} failed: {cause}")
+            }
         }
     }
 }

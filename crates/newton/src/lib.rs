@@ -1,6 +1,7 @@
 //! Newton-Raphson with mixed linearisation, rotation-aware increments and load stepping.
 //!
 //! * [`system`]: the equations of a problem at a state: residual, tangent, factor, reactions.
+//! * `loads`: its loads; [`border`]: the unknowns beside the displacements.
 //! * [`warp`]: corrections bent into rotations.
 //! * [`path`]: Newton's method at one load and the stepping around it.
 //! * [`checkpoint`]: what is needed to go on after a kill.
@@ -8,8 +9,10 @@
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
+pub mod border;
 pub mod checkpoint;
 pub mod history;
+mod loads;
 pub mod path;
 pub mod system;
 pub mod warp;
@@ -17,4 +20,4 @@ pub mod warp;
 pub use checkpoint::Checkpoint;
 pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
 pub use path::{Path, ResumeError, follow_path};
-pub use system::{SetupError, System};
+pub use system::{Correction, SetupError, System};

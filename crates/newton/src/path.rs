@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use pneuflex_assembly::Request;
 use pneuflex_factor::Parallelism;
-use pneuflex_model::{MPA_PER_KPA, Problem, Solver};
+use pneuflex_model::{Clock, Problem, Solver};
 
 use crate::checkpoint::{Approach, Checkpoint, Misfit};
 use crate::history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
-use crate::system::{AssembleError, SetupError, System};
+use crate::system::{AssembleError, Correction, SetupError, System, extent_of};
 use crate::warp::Extent;
 
 /// A correction this much larger than the body is no use.
@@ -37,8 +37,10 @@ const CIRCLING_FROM: usize = 8;
 const CIRCLE: usize = 3;
 const NOT_SMALLER: f64 = 0.7;
 
-/// A load step that is not a requested one is good enough when no node moves further than this, mm.
+/// A load step that is not a requested one is good enough when no node moves further than this, mm, and nothing is stretched further than
+/// this: in small elements 0.1 mm would leave stresses from which there is no going on.
 const LOOSE: f64 = 0.1;
+const LOOSE_STRETCH: f64 = 0.05;
 
 /// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
 const STALE_BELOW: f64 = 0.05;
@@ -48,6 +50,9 @@ const MOST_STALE: usize = 8;
 
 /// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
 const AFTER_POLISHING: f64 = 0.25;
+
+/// Displacements of supports below this are rounding, mm.
+const ROUNDED: f64 = 1e-13;
 
 /// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
 const RESIDUAL_FLOOR: f64 = 1e-9;
@@ -65,8 +70,10 @@ const STALE_CONTRACTION: f64 = 0.5;
 /// An equilibrium, the start of the next step.
 #[derive(Clone, Debug)]
 struct State {
-    pressure_kpa: f64,
+    time: f64,
     displacement: Vec<[f64; 3]>,
+    /// Unknowns beside the displacements.
+    border: Vec<f64>,
     multipliers: Vec<f64>,
     contact_points: usize,
     /// Solved well enough to go on from, not to the tolerances asked for.
@@ -90,7 +97,10 @@ pub struct Path<'a> {
     /// The way to the next requested pressure, if it has begun.
     approach: Option<Approach>,
     stability: Stability,
-    /// Largest stretching per pressure at the beginning, 1/kPa.
+    /// Moves the supports of a problem; `None` if they never move.
+    moving: Option<Problem>,
+    clock: Clock,
+    /// Largest stretching per time at the beginning.
     first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
@@ -108,7 +118,7 @@ enum Target {
 
 /// Measures of a correction.
 #[derive(Clone, Copy, Default)]
-struct Correction {
+struct Measures {
     /// ‖\[Δq; Δλ\]‖, mm and N.
     norm: f64,
     /// Largest component of Δq, mm.
@@ -138,19 +148,11 @@ impl<'a> Path<'a> {
         let begin = Instant::now();
         let system = System::new(problem, Parallelism::Threads)?;
         let n = problem.mesh.num_nodes();
-        let size = (0..3)
-            .map(|d| {
-                let (low, high) = problem
-                    .mesh
-                    .nodes
-                    .iter()
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[d]), b.max(x[d])));
-                high - low
-            })
-            .fold(0.0, f64::max);
+        let size = extent_of(&problem.mesh);
         let state = State {
-            pressure_kpa: 0.0,
+            time: 0.0,
             displacement: vec![[0.0; 3]; n],
+            border: vec![0.0; system.border_len()],
             multipliers: vec![0.0; 3 * n],
             contact_points: 0,
             is_loose: false,
@@ -170,6 +172,8 @@ impl<'a> Path<'a> {
             iterations: 0,
             approach: None,
             stability: Stability::default(),
+            moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()),
+            clock: problem.clock,
             first_rate: None,
             spent: Timing::default(),
             stop: None,
@@ -181,13 +185,13 @@ impl<'a> Path<'a> {
     /// # Errors
     /// [`ResumeError`] if the checkpoint does not fit the problem; the path is still at rest then.
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), ResumeError> {
-        checkpoint.check(self.state.displacement.len(), self.system.num_contact_points())?;
+        checkpoint.check(self.state.displacement.len(), self.system.num_contact_points(), self.state.border.len())?;
         self.has_factor = checkpoint.linearisation.is_some();
         if let Some(linearisation) = checkpoint.linearisation {
             self.system.restore(linearisation)?;
         }
-        let Checkpoint { pressure_kpa, displacement, multipliers, contact_points, is_loose, .. } = checkpoint;
-        self.state = State { pressure_kpa, displacement, multipliers, contact_points, is_loose };
+        let Checkpoint { time, displacement, border, multipliers, contact_points, is_loose, .. } = checkpoint;
+        self.state = State { time, displacement, border, multipliers, contact_points, is_loose };
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
         self.first_rate = checkpoint.first_rate;
@@ -234,31 +238,31 @@ impl<'a> Path<'a> {
         &mut self.system
     }
 
-    /// Steps from the present equilibrium to `pressure_kpa` and lands on it exactly.
+    /// Steps from the present equilibrium to `time` and lands on it exactly.
     ///
     /// # Errors
     /// [`Failure`] when the step falls below its least size; the present equilibrium is then the last one reached.
-    pub fn advance_to(&mut self, pressure_kpa: f64) -> Result<LandedState, Failure> {
-        let step_kpa = match self.state.pressure_kpa > 0.0 {
-            true => self.settings.max_step_kpa,
-            false => self.settings.first_step_kpa.max(self.settings.min_step_kpa),
+    pub fn advance_to(&mut self, time: f64) -> Result<LandedState, Failure> {
+        let step = match self.state.time > 0.0 {
+            true => self.settings.max_step,
+            false => self.settings.first_step.max(self.settings.min_step),
         };
-        let fresh = Approach { step_kpa, load_steps: 0, iterations_before: self.iterations };
+        let fresh = Approach { step, load_steps: 0, iterations_before: self.iterations };
         let mut approach = self.approach.take().unwrap_or(fresh);
-        approach.step_kpa = approach.step_kpa.min(self.settings.max_step_kpa);
-        while self.state.pressure_kpa < pressure_kpa {
-            let start = self.state.pressure_kpa;
+        approach.step = approach.step.min(self.settings.max_step);
+        while self.state.time < time {
+            let start = self.state.time;
             // A last step that would leave a crumb takes it along.
-            let is_last = pressure_kpa - start <= 1.01 * approach.step_kpa;
-            let wanted = if is_last { pressure_kpa } else { start + approach.step_kpa };
+            let is_last = time - start <= 1.01 * approach.step;
+            let wanted = if is_last { time } else { start + approach.step };
             self.step += 1;
             let mut attempted = wanted;
             let had_factor = self.has_factor;
-            match self.load_step(&mut attempted, pressure_kpa) {
+            match self.load_step(&mut attempted, time) {
                 Ok(converged) => {
                     approach.load_steps += 1;
                     if converged.iterations <= 8 {
-                        approach.step_kpa = (2.0 * (wanted - start)).min(self.settings.max_step_kpa);
+                        approach.step = (2.0 * (wanted - start)).min(self.settings.max_step);
                     }
                     self.state = converged.state;
                     let checkpoint = self.checkpoint(approach);
@@ -266,21 +270,21 @@ impl<'a> Path<'a> {
                 }
                 Err(Cause::Interrupted) => return Err(self.failure(attempted, Cause::Interrupted)),
                 Err(cause) => {
-                    (self.observer)(Event::StepRejected { step: self.step, pressure_kpa: attempted, cause: &cause });
+                    (self.observer)(Event::StepRejected { step: self.step, time: attempted, cause: &cause });
                     self.has_factor = false;
-                    approach.step_kpa = 0.5 * (attempted - start);
+                    approach.step = 0.5 * (attempted - start);
                     if self.state.is_loose {
                         // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
                         self.state.is_loose = false;
                         self.confirm();
                         let again = AFTER_POLISHING * (wanted - start);
-                        approach.step_kpa = approach.step_kpa.max(again).max(self.settings.min_step_kpa);
+                        approach.step = approach.step.max(again).max(self.settings.min_step);
                     }
                     if had_factor {
                         // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
-                        approach.step_kpa = approach.step_kpa.max(self.settings.min_step_kpa);
+                        approach.step = approach.step.max(self.settings.min_step);
                     }
-                    if approach.step_kpa < self.settings.min_step_kpa {
+                    if approach.step < self.settings.min_step {
                         self.confirm();
                         return Err(self.failure(attempted, cause));
                     }
@@ -290,19 +294,19 @@ impl<'a> Path<'a> {
         Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
     }
 
-    fn failure(&self, attempted_kpa: f64, cause: Cause) -> Failure {
-        Failure { reached_kpa: self.state.pressure_kpa, attempted_kpa, cause, stability: self.stability }
+    fn failure(&self, attempted: f64, cause: Cause) -> Failure {
+        Failure { reached: self.state.time, attempted, cause, stability: self.stability, clock: self.clock }
     }
 
     /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
     /// was left of the residual would speak of stability, too.
     fn confirm(&mut self) {
-        if self.state.pressure_kpa <= 0.0 {
+        if self.state.time <= 0.0 {
             return;
         }
         let u = self.state.displacement.clone();
         self.system.carry_pressures(&u);
-        match self.newton(self.state.pressure_kpa, u, None, Target::Requested) {
+        match self.newton(self.state.time, (u, self.state.border.clone()), None, Target::Requested) {
             Ok(converged) => {
                 self.state = converged.state;
                 // An equilibrium whose tangent is singular is as unstable as can be told.
@@ -318,14 +322,15 @@ impl<'a> Path<'a> {
 
     /// [`Stability::softening`] of the present equilibrium.
     fn softening(&mut self) -> Result<f64, Cause> {
-        let (u, pressure) = (self.state.displacement.clone(), self.state.pressure_kpa);
-        let change = (1e-3 * pressure).max(self.settings.min_step_kpa);
+        let State { displacement: u, border, time, .. } = self.state.clone();
+        let change = (1e-3 * time).max(self.settings.min_step);
         self.system.carry_pressures(&u);
-        self.system.assemble(&u, pressure * MPA_PER_KPA, Request::Tangent)?;
+        self.system.assemble(&u, time, &border, Request::Tangent)?;
         self.system.factorize()?;
-        self.system.assemble(&u, (pressure + change) * MPA_PER_KPA, Request::Residual)?;
-        let correction = self.system.solve(None)?;
-        let rate = self.system.extent(&u, &correction).stretch / change;
+        let prescribed = self.prescribed(time + change, &u);
+        self.system.assemble(&u, time + change, &border, Request::Residual)?;
+        let correction = self.system.solve(prescribed.as_deref())?;
+        let rate = self.system.extent(&u, &correction.displacement).stretch / change;
         Ok(self.first_rate.map_or(1.0, |first| rate / first))
     }
 
@@ -333,17 +338,18 @@ impl<'a> Path<'a> {
     ///
     /// # Errors
     /// As there.
-    pub fn land_on(&mut self, pressure_kpa: f64) -> Result<(), Failure> {
-        let landed = self.advance_to(pressure_kpa)?;
+    pub fn land_on(&mut self, time: f64) -> Result<(), Failure> {
+        let landed = self.advance_to(time)?;
         (self.observer)(Event::Landed(&landed));
         Ok(())
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let State { pressure_kpa, displacement, multipliers, contact_points, is_loose } = self.state.clone();
+        let State { time, displacement, border, multipliers, contact_points, is_loose } = self.state.clone();
         Checkpoint {
-            pressure_kpa,
+            time,
             displacement,
+            border,
             multipliers,
             contact_points,
             is_loose,
@@ -356,79 +362,84 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present pressure.
+    /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present time.
     ///
     /// # Errors
     /// The cause, if the step does not converge; there is no halving.
     pub fn impose(&mut self, held_displacement: &[[f64; 3]]) -> Result<LandedState, Cause> {
         let before = self.iterations;
         self.step += 1;
-        let change: Vec<[f64; 3]> = held_displacement
-            .iter()
-            .zip(&self.state.displacement)
-            .map(|(target, now)| std::array::from_fn(|k| target[k] - now[k]))
-            .collect();
         self.has_factor = false;
-        let start = self.state.displacement.clone();
-        self.system.carry_pressures(&start);
-        let converged = self.newton(self.state.pressure_kpa, start, Some(change), Target::Requested)?;
+        let start = (self.state.displacement.clone(), self.state.border.clone());
+        self.system.carry_pressures(&start.0);
+        let converged = self.newton(self.state.time, start, Some(held_displacement.to_vec()), Target::Requested)?;
         self.state = converged.state;
         Ok(self.land(self.iterations - before, 1))
     }
 
     fn land(&self, iterations: usize, load_steps: usize) -> LandedState {
         LandedState {
-            pressure_kpa: self.state.pressure_kpa,
+            time: self.state.time,
             displacement: self.state.displacement.as_flattened().to_vec(),
             reaction: self.state.multipliers.iter().map(|lambda| -lambda).collect(),
             iterations,
             load_steps,
             contact_points: self.state.contact_points,
+            cavity_pressures: self.system.cavity_pressures(self.state.time, &self.state.border),
         }
     }
 
-    /// One load step towards `aim` (kPa), which becomes the pressure that is tried: a guess along the tangent, cut short where it
+    /// Changes of displacement that the supports prescribe from a displacement to a time, mm; `None` if there are none.
+    fn prescribed(&self, time: f64, displacement: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+        let target = self.moving.as_ref()?.held_displacement(time);
+        Some(difference(&target, displacement))
+    }
+
+    /// One load step towards `aim`, a time that becomes the one that is tried: a guess along the tangent, cut short where it
     /// would deform the body too much or drive walls deep into each other, and Newton's method from there, to the end only at the
-    /// pressure asked for.
+    /// time asked for.
     fn load_step(&mut self, aim: &mut f64, requested: f64) -> Result<Converged, Cause> {
         let wanted = *aim;
-        let start = self.state.pressure_kpa;
-        let mut u = self.state.displacement.clone();
+        let start = self.state.time;
+        let (mut u, mut border) = (self.state.displacement.clone(), self.state.border.clone());
         let mut iterations = 0;
         self.check_stop()?;
         if !self.has_factor {
             self.system.carry_pressures(&u);
-            self.system.assemble(&u, start * MPA_PER_KPA, Request::Tangent)?;
+            self.system.assemble(&u, start, &border, Request::Tangent)?;
             self.system.factorize()?;
             self.iterations += 1;
             iterations = 1;
         }
-        // The present pressure in the factor, the new one in the residual: with the new pressure in K as well, K is
+        // The present loads in the factor, the new ones in the residual: with the new pressure in K as well, K is
         // indefinite where the stresses that balance it are still missing.
-        self.system.assemble(&u, wanted * MPA_PER_KPA, Request::Residual)?;
-        let correction = self.system.solve(None)?;
+        self.system.assemble(&u, wanted, &border, Request::Residual)?;
+        let prescribed = self.prescribed(wanted, &u);
+        let correction = self.system.solve(prescribed.as_deref())?;
         self.has_factor = false;
         let allowed = self.system.deepest_penetration(&u).max(DEEP);
-        let extent = self.system.extent(&u, &correction);
+        let extent = self.system.extent(&u, &correction.displacement);
         self.first_rate.get_or_insert(extent.stretch / (wanted - start));
         let mut share = (GUESS.stretch / extent.stretch).min(GUESS.angle / extent.angle).min(1.0);
         let shortest = SHORTEST * share;
         loop {
-            let guess = scaled(&correction, share);
+            let guess = correction.scaled(share);
             let mut trial = u.clone();
-            self.system.warp(&mut trial, &guess)?;
+            self.system.warp(&mut trial, &guess.displacement)?;
             if share * SHORTEN < shortest || self.system.deepest_penetration(&trial) <= allowed {
-                self.system.carry(&u, &guess);
+                self.system.carry(&u, &guess.displacement);
                 u = trial;
+                add(&mut border, &guess.border);
                 break;
             }
             share *= SHORTEN;
         }
-        let pressure_kpa = if share < 1.0 { start + share * (wanted - start) } else { wanted };
-        *aim = pressure_kpa;
-        let target = if pressure_kpa == requested { Target::Requested } else { Target::OnTheWay };
-        (self.observer)(Event::StepStarted { step: self.step, pressure_kpa });
-        let mut converged = self.newton(pressure_kpa, u, None, target)?;
+        let time = if share < 1.0 { start + share * (wanted - start) } else { wanted };
+        *aim = time;
+        let target = if time == requested { Target::Requested } else { Target::OnTheWay };
+        (self.observer)(Event::StepStarted { step: self.step, time });
+        let held = self.moving.as_ref().map(|problem| problem.held_displacement(time));
+        let mut converged = self.newton(time, (u, border), held, target)?;
         converged.iterations += iterations;
         Ok(converged)
     }
@@ -440,34 +451,34 @@ impl<'a> Path<'a> {
         self.rounding_per_mm * (self.size + largest)
     }
 
-    /// Newton's method at one pressure from a guess `u`; `imposed` are changes wanted at held degrees of freedom.
+    /// Newton's method at one time from a guess of the displacements and the unknowns beside them; `held` are the displacements wanted
+    /// at held degrees of freedom, if they are to move.
     fn newton(
         &mut self,
-        pressure_kpa: f64,
-        mut u: Vec<[f64; 3]>,
-        mut imposed: Option<Vec<[f64; 3]>>,
+        time: f64,
+        (mut u, mut border): (Vec<[f64; 3]>, Vec<f64>),
+        held: Option<Vec<[f64; 3]>>,
         target: Target,
     ) -> Result<Converged, Cause> {
-        let pressure = pressure_kpa * MPA_PER_KPA;
         let mut multipliers = self.state.multipliers.clone();
-        let load = self.system.load_norm(&u, pressure).max(f64::MIN_POSITIVE);
+        let load = self.system.load_norm(&u, time, &border).max(f64::MIN_POSITIVE);
         let rounding = self.rounding(&u).min(MOST_ROUNDING * self.settings.residual_tolerance * load);
         // What a correction cannot fall below once the residual is rounding.
         let unknowns = self.system.held().iter().filter(|held| !**held).count() as f64;
         let rounded_tolerance = self.settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0);
         let (mut least, mut most) = (usize::MAX, 0);
-        let mut last = Correction::default();
+        let mut last = Measures::default();
         let mut negative_pivots = 0;
         let (mut iteration, mut stale) = (0, 0);
         let mut norms: Vec<f64> = Vec::new();
-        let (had_imposed, mut is_cautious) = (imposed.is_some(), false);
+        let mut is_cautious = false;
         while iteration < self.settings.max_iterations {
             self.check_stop()?;
             // An old factor serves as long as it contracts well; a new one is an iteration.
             let is_stale = iteration > 0 && last.largest < STALE_BELOW && last.goes_on && stale < MOST_STALE;
             if is_stale {
                 stale += 1;
-                self.system.assemble(&u, pressure, Request::Residual)?;
+                self.system.assemble(&u, time, &border, Request::Residual)?;
             } else {
                 stale = 0;
                 iteration += 1;
@@ -475,27 +486,31 @@ impl<'a> Path<'a> {
                 if is_cautious {
                     self.system.carry_pressures(&self.state.displacement);
                 }
-                self.system.assemble(&u, pressure, Request::Tangent)?;
+                self.system.assemble(&u, time, &border, Request::Tangent)?;
                 negative_pivots = self.system.factorize()?.negative;
             }
             let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
-            let correction = self.system.solve(imposed.take().as_deref())?;
+            let prescribed = held.as_deref().map(|target| difference(target, &u));
+            let prescribed = prescribed.filter(|change| self.is_felt(change));
+            let correction = self.system.solve(prescribed.as_deref())?;
             let updated = self.system.multipliers(&correction)?;
-            let squared: f64 = correction.as_flattened().iter().map(|x| x * x).sum::<f64>()
-                + updated.iter().zip(&multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-            let largest = correction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            let straight = correction.displacement.as_flattened();
+            let squared: f64 = straight.iter().map(|x| x * x).sum::<f64>()
+                + updated.iter().zip(&multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
+                + correction.border.iter().map(|y| y * y).sum::<f64>();
+            let largest = straight.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             let norm = squared.sqrt();
             let ratio = if is_stale { norm / last.norm } else { 0.0 };
             // An old factor goes on while it needs few more corrections to get there.
             let goes_on = ratio * ratio * norm < self.settings.tolerance || !is_stale;
-            let now = Correction { norm, largest, goes_on, residual };
+            let now = Measures { norm, largest, goes_on, residual };
             multipliers = updated;
             let touching = self.system.contact_points();
             let record = IterationRecord {
                 step: self.step,
                 iteration,
                 new_tangent: !is_stale,
-                pressure_kpa,
+                time,
                 correction: now.norm,
                 residual,
                 relative_residual: residual / load,
@@ -509,10 +524,10 @@ impl<'a> Path<'a> {
             }
             let mut correction = correction;
             if !is_stale {
-                if largest > HARMLESS && self.system.extent(&u, &correction).exceeds(&HOPELESS) {
+                if largest > HARMLESS && self.system.extent(&u, &correction.displacement).exceeds(&HOPELESS) {
                     // Once with the stresses of the last equilibrium in the tangent: far from the path, those that the linear system
                     // predicted can be so large that nothing of the tangent is left.
-                    if is_cautious || had_imposed {
+                    if is_cautious || prescribed.is_some() {
                         return Err(Cause::Diverged { correction: now.norm });
                     }
                     is_cautious = true;
@@ -521,7 +536,7 @@ impl<'a> Path<'a> {
                 norms.push(norm);
                 let before = norms.len().checked_sub(1 + CIRCLE).map(|index| norms[index]);
                 if iteration >= CIRCLING_FROM && before.is_some_and(|before| norm > NOT_SMALLER * before) {
-                    correction = scaled(&correction, 0.5);
+                    correction = correction.scaled(0.5);
                 }
             }
             if iteration + 6 > self.settings.max_iterations {
@@ -530,8 +545,9 @@ impl<'a> Path<'a> {
             // A correction with an old factor that hardly contracts is thrown away.
             let is_used = ratio < STALE_CONTRACTION || norm < self.settings.tolerance;
             if is_used {
-                self.system.carry(&u, &correction);
-                self.system.warp(&mut u, &correction)?;
+                self.system.carry(&u, &correction.displacement);
+                self.system.warp(&mut u, &correction.displacement)?;
+                add(&mut border, &correction.border);
             }
             if !is_used {
                 last.goes_on = false;
@@ -539,9 +555,9 @@ impl<'a> Path<'a> {
             }
             last = now;
             // Small corrections of an unstable tangent lead away from the path.
-            if target == Target::OnTheWay && largest < LOOSE && negative_pivots == 0 {
+            if target == Target::OnTheWay && negative_pivots == 0 && self.is_small(&u, &correction) {
                 self.has_factor = !is_stale;
-                let mut converged = self.converged(pressure_kpa, u, multipliers, iteration);
+                let mut converged = self.converged(time, (u, border), multipliers, iteration);
                 converged.state.is_loose = true;
                 return Ok(converged);
             }
@@ -552,9 +568,17 @@ impl<'a> Path<'a> {
                 continue;
             }
             if last.norm < self.settings.tolerance || is_rounding {
-                self.system.assemble(&u, pressure, Request::Residual)?;
+                self.system.assemble(&u, time, &border, Request::Residual)?;
                 let residual = self.system.free_norm(self.system.totals().residual.as_flattened());
-                if residual <= (self.settings.residual_tolerance * load).max(rounding).max(RESIDUAL_FLOOR) {
+                // Where supports or cavities drive the body, what the loads were at the guess says little.
+                let driven = if held.is_some() || !border.is_empty() {
+                    self.system.load_norm(&u, time, &border).max(self.system.reaction_norm())
+                } else {
+                    0.0
+                };
+                let is_satisfied = self.system.border_violation() <= self.settings.residual_tolerance;
+                let tolerance = self.settings.residual_tolerance * load.max(driven);
+                if is_satisfied && residual <= tolerance.max(rounding).max(RESIDUAL_FLOOR) {
                     if negative_pivots > 0 {
                         return Err(Cause::IndefiniteTangent { negative_pivots });
                     }
@@ -565,7 +589,7 @@ impl<'a> Path<'a> {
                         *value = if *held { -r } else { 0.0 };
                     }
                     self.has_factor = true;
-                    return Ok(self.converged(pressure_kpa, u, multipliers, iteration));
+                    return Ok(self.converged(time, (u, border), multipliers, iteration));
                 }
             }
         }
@@ -580,15 +604,27 @@ impl<'a> Path<'a> {
         })
     }
 
+    /// Whether a correction is so small that the state after it will do on the way.
+    fn is_small(&mut self, displacement: &[[f64; 3]], correction: &Correction) -> bool {
+        let straight = correction.displacement.as_flattened();
+        straight.iter().all(|x| x.abs() < LOOSE)
+            && self.system.extent(displacement, &correction.displacement).stretch < LOOSE_STRETCH
+    }
+
+    /// Whether a change of the supports' displacements is more than rounding.
+    fn is_felt(&self, change: &[[f64; 3]]) -> bool {
+        change.as_flattened().iter().zip(self.system.held()).any(|(x, held)| *held && x.abs() > ROUNDED)
+    }
+
     fn converged(
         &self,
-        pressure_kpa: f64,
-        displacement: Vec<[f64; 3]>,
+        time: f64,
+        (displacement, border): (Vec<[f64; 3]>, Vec<f64>),
         multipliers: Vec<f64>,
         iterations: usize,
     ) -> Converged {
         let contact_points = self.system.contact_points();
-        let state = State { pressure_kpa, displacement, multipliers, contact_points, is_loose: false };
+        let state = State { time, displacement, border, multipliers, contact_points, is_loose: false };
         Converged { state, iterations }
     }
 
@@ -601,8 +637,14 @@ impl<'a> Path<'a> {
     }
 }
 
-fn scaled(field: &[[f64; 3]], factor: f64) -> Vec<[f64; 3]> {
-    field.iter().map(|x| x.map(|t| factor * t)).collect()
+fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] - b[k])).collect()
+}
+
+fn add(sum: &mut [f64], change: &[f64]) {
+    for (value, delta) in sum.iter_mut().zip(change) {
+        *value += delta;
+    }
 }
 
 /// A path that cannot go on from a checkpoint.
@@ -621,6 +663,7 @@ impl From<AssembleError> for Cause {
         match error {
             AssembleError::Local(local) => local.into(),
             AssembleError::Factor(factor) => factor.into(),
+            AssembleError::Contradiction => Self::SingularTangent(error.to_string()),
         }
     }
 }
@@ -637,29 +680,30 @@ impl From<pneuflex_factor::FactorError> for Cause {
     }
 }
 
-/// Follows the equilibrium path from rest through the given pressures (kPa, increasing), landing on each exactly.
+/// Follows the equilibrium path from rest through the given times (increasing), landing on each exactly.
 ///
 /// # Errors
 /// [`Failure`] when the load step falls below its least size, with what the run had cost; the observer has seen every
 /// state landed on before.
 pub fn follow_path(
     problem: &Problem,
-    pressures_kpa: &[f64],
+    times: &[f64],
     settings: &Solver,
     observer: &mut dyn FnMut(Event<'_>),
-) -> Result<PathReport, (Failure, PathReport)> {
+) -> Result<PathReport, Box<(Failure, PathReport)>> {
     let mut path = match Path::new(problem, settings, observer) {
         Ok(path) => path,
         Err(error) => {
             let cause = Cause::SingularTangent(error.to_string());
-            let attempted_kpa = pressures_kpa.first().copied().unwrap_or(0.0);
-            let failure = Failure { reached_kpa: 0.0, attempted_kpa, cause, stability: Stability::default() };
-            return Err((failure, PathReport { iterations: 0, timing: Timing::default() }));
+            let attempted = times.first().copied().unwrap_or(0.0);
+            let (stability, clock) = (Stability::default(), problem.clock);
+            let failure = Failure { reached: 0.0, attempted, cause, stability, clock };
+            return Err(Box::new((failure, PathReport { iterations: 0, timing: Timing::default() })));
         }
     };
-    for &pressure in pressures_kpa {
-        if let Err(failure) = path.land_on(pressure) {
-            return Err((failure, PathReport { iterations: path.iterations, timing: path.timing() }));
+    for &time in times {
+        if let Err(failure) = path.land_on(time) {
+            return Err(Box::new((failure, PathReport { iterations: path.iterations, timing: path.timing() })));
         }
     }
     Ok(PathReport { iterations: path.iterations, timing: path.timing() })

@@ -4,14 +4,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_assembly::solid::DegenerateElement;
-use pneuflex_assembly::{Assembler, Contact, LocalContribution, LocalError, Pressure, Request, Solid, Totals};
+use pneuflex_assembly::{Assembler, Contact, LocalContribution, LocalError, Request, Solid, Totals};
 use pneuflex_contact::{ContactBlock, ContactModel, predicted_tractions};
 use pneuflex_factor::{Factor, FactorError, Inertia, Ordering, Parallelism, Symbolic, multiply};
 use pneuflex_mesh::Mesh;
-use pneuflex_model::Problem;
+use pneuflex_model::{OpenCavity, Problem};
 
+use crate::border::{self, Row};
 use crate::checkpoint::{Carried, Linearisation};
 use crate::history::Timing;
+use crate::loads::Loads;
 use crate::warp::{Extent, Warp};
 
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest.
@@ -20,9 +22,9 @@ const NEAR_SHARE: f64 = 0.15;
 /// Corrections that move no node further than this are not bent: the next one makes up for their second-order part, mm.
 const STRAIGHT_BELOW: f64 = 1e-3;
 
-/// Index of the solid and of the pressure in the assembler's list.
+/// Index of the solid and of the first of the loads in the assembler's list.
 const SOLID: usize = 0;
-const PRESSURE: usize = 1;
+const FIRST_LOAD: usize = 1;
 
 /// A problem that cannot be set up.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,13 +35,36 @@ pub enum SetupError {
     /// The structure of the equations cannot be analysed, or part of the body is not held.
     #[error("the equations cannot be set up: {0}")]
     Factor(#[from] FactorError),
+    /// The volume of a cavity is asked for that is open.
+    #[error(transparent)]
+    Cavity(#[from] OpenCavity),
+}
+
+/// Displacements and what else is unknown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Correction {
+    /// Change of the displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// Change of the unknowns beside them, see [`System::border_len`].
+    pub border: Vec<f64>,
+}
+
+impl Correction {
+    /// The same in parts.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let displacement = self.displacement.iter().map(|x| x.map(|t| factor * t)).collect();
+        Self { displacement, border: self.border.iter().map(|y| factor * y).collect() }
+    }
 }
 
 /// The discretised equations of a [`Problem`] with everything that is reused from iteration to iteration.
 pub struct System {
     mesh: Arc<Mesh>,
     solid: Solid,
-    pressure: Pressure,
+    loads: Loads,
+    /// Equations of the unknowns beside the displacements, as last assembled, and the columns −K⁻¹B of the last factor.
+    rows: Vec<Row>,
+    responses: Option<Vec<Vec<f64>>>,
     contact: ContactModel,
     near_margin: f64,
     /// Touching blocks of the last assembly, and the node positions it was made at.
@@ -71,10 +96,10 @@ impl System {
         let start = Instant::now();
         let mesh = Arc::new(problem.mesh.clone());
         let solid = Solid::new(&mesh, problem.formulation, &problem.material)?;
-        let pressure = Pressure::new(&mesh, &problem.cavity_facets());
+        let loads = Loads::new(problem)?;
         let contact = ContactModel::new(&mesh, &problem.contact_pairs, &problem.contact);
         let held = problem.held_dofs();
-        let assembler = Assembler::new(mesh.num_nodes(), &[&solid, &pressure], &[]);
+        let assembler = Assembler::new(mesh.num_nodes(), &fixed(&solid, &loads), &[]);
         let factor = Factor::new(Arc::new(Symbolic::analyze(assembler.pattern(), Ordering::default())?));
         let warp = Warp::new(&mesh, &held, parallelism)?;
         let carried_tractions = vec![0.0; contact.num_points()];
@@ -83,7 +108,9 @@ impl System {
         Ok(Self {
             mesh,
             solid,
-            pressure,
+            loads,
+            rows: Vec::new(),
+            responses: None,
             contact,
             near_margin,
             touching: Vec::new(),
@@ -117,23 +144,35 @@ impl System {
         self.contact_points
     }
 
-    /// Energy, residual and, if asked for, tangent at a displacement and a pressure (MPa).
+    /// Number of unknowns beside the displacements: pressures (MPa) of cavities whose volume or gas is given, then multipliers (N) of the
+    /// linear equations.
+    pub fn border_len(&self) -> usize {
+        self.loads.num_unknowns()
+    }
+
+    /// Pressure in every cavity, MPa.
+    pub fn cavity_pressures(&self, time: f64, border: &[f64]) -> Vec<f64> {
+        self.loads.cavity_pressures(time, border)
+    }
+
+    /// Energy, residual and, if asked for, tangent at a displacement, a time and the unknowns beside the displacements.
     ///
     /// # Errors
     /// [`LocalError`] naming the element that is turned inside out.
     pub fn assemble(
         &mut self,
         displacement: &[[f64; 3]],
-        pressure: f64,
+        time: f64,
+        border: &[f64],
         request: Request,
     ) -> Result<(), AssembleError> {
         let start = Instant::now();
         if request == Request::Tangent {
-            self.linearise_at(displacement, pressure);
+            self.linearise_at(displacement, time, border);
             self.timing.assembly_s += start.elapsed().as_secs_f64();
         }
         let start = Instant::now();
-        self.pressure.pressure = pressure;
+        self.loads.set_time(time, border);
         let positions = self.positions(displacement);
         let mut contact = Contact::search(&self.contact, positions.clone());
         for point in contact.blocks.iter_mut().flat_map(|block| &mut block.points) {
@@ -141,7 +180,8 @@ impl System {
         }
         if request == Request::Tangent && !self.assembler.covers(&contact) {
             let near = self.contact.near_face_pairs(&positions, self.near_margin);
-            self.assembler = Assembler::new(self.mesh.num_nodes(), &[&self.solid, &self.pressure], &near);
+            let fixed = fixed(&self.solid, &self.loads);
+            self.assembler = Assembler::new(self.mesh.num_nodes(), &fixed, &near);
             self.timing.contact_s += start.elapsed().as_secs_f64();
             let analysis = Instant::now();
             self.factor = Factor::new(Arc::new(Symbolic::analyze(self.assembler.pattern(), Ordering::default())?));
@@ -154,7 +194,9 @@ impl System {
         let start = Instant::now();
         self.assembler.reset(&mut self.totals, request);
         self.assembler.add(SOLID, &self.solid, displacement, request, &mut self.totals)?;
-        self.assembler.add(PRESSURE, &self.pressure, displacement, request, &mut self.totals)?;
+        self.loads.add_forces(&mut self.assembler, FIRST_LOAD, displacement, time, request, &mut self.totals)?;
+        self.responses = None;
+        self.rows = self.loads.rows(&mut self.assembler, FIRST_LOAD, displacement, time, border, &mut self.totals)?;
         self.timing.assembly_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         self.assembler.add_changing(&contact, displacement, request, &mut self.totals)?;
@@ -164,8 +206,24 @@ impl System {
         Ok(())
     }
 
+    /// Columns −K⁻¹B of the present factor.
+    fn responses(&self) -> Result<Vec<Vec<f64>>, FactorError> {
+        let mut all: Vec<f64> = Vec::with_capacity(self.rows.len() * self.held.len());
+        for row in &self.rows {
+            let column = row.column.as_flattened().iter().zip(&self.held);
+            all.extend(column.map(|(b, held)| if *held { 0.0 } else { -b }));
+        }
+        self.factor.solve_in_place(&mut all, self.rows.len())?;
+        Ok(all.chunks_exact(self.held.len().max(1)).map(<[f64]>::to_vec).collect())
+    }
+
+    /// Largest violation of the equations of the unknowns beside the displacements, relative to what they are small against.
+    pub fn border_violation(&self) -> f64 {
+        self.rows.iter().fold(0.0, |largest, row| largest.max(row.value.abs() / row.scale))
+    }
+
     /// Brings the carried pressures up to date and notes what the tangent is made from.
-    fn linearise_at(&mut self, displacement: &[[f64; 3]], pressure: f64) {
+    fn linearise_at(&mut self, displacement: &[[f64; 3]], time: f64, border: &[f64]) {
         let before = self.linearisation.take().map(|linearisation| linearisation.carried);
         let carried = match (self.pending.take(), before) {
             (Some(new), _) => {
@@ -180,7 +238,8 @@ impl System {
             (None, None) => Carried { displacement: vec![[0.0; 3]; displacement.len()], correction: None },
         };
         let tractions = self.carried_tractions.clone();
-        self.linearisation = Some(Linearisation { pressure, displacement: displacement.to_vec(), carried, tractions });
+        let (displacement, border) = (displacement.to_vec(), border.to_vec());
+        self.linearisation = Some(Linearisation { time, border, displacement, carried, tractions });
     }
 
     /// Where the last tangent was assembled.
@@ -193,10 +252,10 @@ impl System {
     /// # Errors
     /// An element turned inside out or a singular tangent, which an earlier linearisation of the same problem has not.
     pub fn restore(&mut self, linearisation: Linearisation) -> Result<(), AssembleError> {
-        let Linearisation { pressure, displacement, carried, tractions } = linearisation;
+        let Linearisation { time, border, displacement, carried, tractions } = linearisation;
         self.pending = Some(carried);
         self.carried_tractions = tractions;
-        self.assemble(&displacement, pressure, Request::Tangent)?;
+        self.assemble(&displacement, time, &border, Request::Tangent)?;
         self.factorize()?;
         Ok(())
     }
@@ -206,14 +265,22 @@ impl System {
         self.carried_tractions.len()
     }
 
-    /// Norm of the pressure's forces on the free degrees of freedom at a displacement, N: the scale of the residual.
-    pub fn load_norm(&mut self, displacement: &[[f64; 3]], pressure: f64) -> f64 {
-        self.pressure.pressure = pressure;
+    /// Norm of the loads on the free degrees of freedom at a displacement, N: the scale of the residual. Loads are the pressures and
+    /// what keeps its direction.
+    pub fn load_norm(&mut self, displacement: &[[f64; 3]], time: f64, border: &[f64]) -> f64 {
+        self.loads.set_time(time, border);
         let mut totals = Totals::default();
         self.assembler.reset(&mut totals, Request::Residual);
-        // Pressure on a face has no state that could fail.
-        let _ = self.assembler.add(PRESSURE, &self.pressure, displacement, Request::Residual, &mut totals);
+        // Loads have no state that could fail.
+        let _ =
+            self.loads.add_forces(&mut self.assembler, FIRST_LOAD, displacement, time, Request::Residual, &mut totals);
         self.free_norm(totals.residual.as_flattened())
+    }
+
+    /// Norm of the forces that the supports exert in the last assembled state, N.
+    pub fn reaction_norm(&self) -> f64 {
+        let reactions = self.totals.residual.as_flattened().iter().zip(&self.held).filter(|(_, held)| **held);
+        reactions.map(|(x, _)| x * x).sum::<f64>().sqrt()
     }
 
     /// Norm of a vector over the free degrees of freedom.
@@ -221,7 +288,7 @@ impl System {
         vector.iter().zip(&self.held).filter(|(_, held)| !**held).map(|(x, _)| x * x).sum::<f64>().sqrt()
     }
 
-    /// Factorises the assembled tangent.
+    /// Factorises the assembled tangent. The inertia is that of motions that the equations beside the displacements allow.
     ///
     /// # Errors
     /// If the tangent is singular or not finite.
@@ -229,15 +296,25 @@ impl System {
         let start = Instant::now();
         let result = self.factor.factorize(&self.totals.tangent, &self.held, self.parallelism);
         self.timing.factor_s += start.elapsed().as_secs_f64();
-        result
+        let mut inertia = result?;
+        if !self.rows.is_empty() {
+            let start = Instant::now();
+            let responses = self.responses()?;
+            let negative = inertia.negative + border::negative_eigenvalues(&self.rows, &responses);
+            // Fewer than there are unknowns cannot be but for rounding.
+            inertia.negative = negative.saturating_sub(self.rows.len());
+            self.responses = Some(responses);
+            self.timing.solve_s += start.elapsed().as_secs_f64();
+        }
+        Ok(inertia)
     }
 
-    /// Correction δu from K δu = −r with the last factor, and the multipliers λ = −(r + K δu) at held degrees of freedom if the
-    /// assembled tangent is the factorised one. `prescribed` are the changes wanted at held degrees of freedom.
+    /// Correction from K δu + B δy = −r and the equations of the unknowns δy beside the displacements, with the last factor.
+    /// `prescribed` are the changes wanted at held degrees of freedom.
     ///
     /// # Errors
-    /// If nothing was factorised.
-    pub fn solve(&mut self, prescribed: Option<&[[f64; 3]]>) -> Result<Vec<[f64; 3]>, FactorError> {
+    /// If nothing was factorised, or the equations contradict each other.
+    pub fn solve(&mut self, prescribed: Option<&[[f64; 3]]>) -> Result<Correction, AssembleError> {
         let start = Instant::now();
         let residual = self.totals.residual.as_flattened();
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
@@ -261,18 +338,38 @@ impl System {
             }
         }
         self.factor.solve_in_place(&mut rhs, 1)?;
+        let mut border = Vec::new();
+        if !self.rows.is_empty() {
+            let responses = match self.responses.take() {
+                Some(responses) => responses,
+                None => self.responses()?,
+            };
+            border = border::eliminate(&self.rows, &responses, &rhs).ok_or(AssembleError::Contradiction)?;
+            for (change, response) in border.iter().zip(&responses) {
+                for (value, y) in rhs.iter_mut().zip(response) {
+                    *value += change * y;
+                }
+            }
+            self.responses = Some(responses);
+        }
         self.timing.solve_s += start.elapsed().as_secs_f64();
-        Ok(rhs.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect())
+        Ok(Correction { displacement: rhs.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(), border })
     }
 
-    /// Multipliers λ = −(r + K δu) of the held degrees of freedom after a correction; zero at free ones.
+    /// Multipliers λ = −(r + K δu + B δy) of the held degrees of freedom after a correction; zero at free ones.
     ///
     /// # Errors
     /// If the assembled tangent does not fit (nothing was assembled).
-    pub fn multipliers(&mut self, correction: &[[f64; 3]]) -> Result<Vec<f64>, FactorError> {
+    pub fn multipliers(&mut self, correction: &Correction) -> Result<Vec<f64>, FactorError> {
         let start = Instant::now();
         let mut product = vec![0.0; self.held.len()];
-        multiply::<3>(self.assembler.pattern(), &self.totals.tangent, correction.as_flattened(), &mut product)?;
+        let straight = correction.displacement.as_flattened();
+        multiply::<3>(self.assembler.pattern(), &self.totals.tangent, straight, &mut product)?;
+        for (row, change) in self.rows.iter().zip(&correction.border) {
+            for (value, b) in product.iter_mut().zip(row.column.as_flattened()) {
+                *value += change * b;
+            }
+        }
         for ((value, r), held) in product.iter_mut().zip(self.totals.residual.as_flattened()).zip(&self.held) {
             *value = if *held { -(*value + r) } else { 0.0 };
         }
@@ -369,4 +466,22 @@ pub enum AssembleError {
     /// The pattern with the new contacts cannot be analysed.
     #[error(transparent)]
     Factor(#[from] FactorError),
+    /// Equations that no displacement satisfies, or that say the same twice.
+    #[error("the linear equations or the cavities' volumes contradict or repeat each other")]
+    Contradiction,
+}
+
+/// Largest extent of a body along an axis, mm.
+pub fn extent_of(mesh: &Mesh) -> f64 {
+    let along = |d: usize| {
+        let span = |(a, b): (f64, f64), x: &[f64; 3]| (a.min(x[d]), b.max(x[d]));
+        let (low, high) = mesh.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
+        high - low
+    };
+    (0..3).map(along).fold(0.0, f64::max)
+}
+
+/// What does not change its nodes from assembly to assembly.
+fn fixed<'a>(solid: &'a Solid, loads: &'a Loads) -> Vec<&'a dyn LocalContribution> {
+    std::iter::once(solid as &dyn LocalContribution).chain(loads.contributions()).collect()
 }

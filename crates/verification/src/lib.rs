@@ -9,6 +9,7 @@
 //! * [`tube`]: thick tube in plane strain under inner pressure.
 //! * [`torsion`]: solid cylinder.
 //! * [`sphere`]: thick sphere under inner pressure.
+//! * [`balloon`]: the same sphere beyond its greatest pressure, filled with a liquid or with gas.
 //! * [`bending`]: Rivlin's flexure of a block.
 //! * [`manufactured`]: a chosen displacement field and the body force it needs.
 //! * [`contact_patch`]: two blocks with faces that do not match.
@@ -17,6 +18,7 @@
 //! Exact solutions are those of incompressible Yeoh material and are derived where they are used; [`yeoh`] has its own formulas
 //! for the energy. Units: mm, N, MPa.
 
+pub mod balloon;
 pub mod bending;
 pub mod body;
 pub mod contact_patch;
@@ -65,11 +67,12 @@ pub struct Section {
 /// A problem, before it is solved.
 type Problem = (&'static str, &'static str, fn(Effort) -> Vec<Row>);
 
-const PROBLEMS: [Problem; 8] = [
+const PROBLEMS: [Problem; 9] = [
     ("Homogeneous states", homogeneous::TEXT, homogeneous::rows),
     ("Thick tube", tube::TEXT, tube::rows),
     ("Torsion of a cylinder", torsion::TEXT, torsion::rows),
     ("Inflation of a thick sphere", sphere::TEXT, sphere::rows),
+    ("Balloon", balloon::TEXT, balloon::rows),
     ("Bending of a block", bending::TEXT, bending::rows),
     ("Manufactured solutions", manufactured::TEXT, manufactured::rows),
     ("Contact patch test", contact_patch::TEXT, contact_patch::rows),

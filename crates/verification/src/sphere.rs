@@ -22,7 +22,7 @@ p = ∫ λ (dW/dλ) dr/r from a to b. As dr/r = dλ/(λ (1 − λ³)), that is p
 three lattices over the sides of a cube, projected onto the sphere at equal angles and joined. The errors of `tet10`, below 10⁻³, change their sign between these meshes, so that \
 no order can be read from them.";
 
-const RADII: [f64; 2] = [5.0, 7.0];
+pub(crate) const RADII: [f64; 2] = [5.0, 7.0];
 
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
@@ -71,7 +71,7 @@ fn inner_displacement(formulation: Formulation, cells: [usize; 2], widening: f64
 }
 
 /// Pressure, MPa, at a displacement of the inner surface, mm.
-fn pressure(m: &Material, displacement: f64) -> f64 {
+pub(crate) fn pressure(m: &Material, displacement: f64) -> f64 {
     let [inner, outer] = RADII;
     let growth = (inner + displacement).powi(3) - inner.powi(3);
     integrate(inner, outer, |radius| {
@@ -84,7 +84,7 @@ fn pressure(m: &Material, displacement: f64) -> f64 {
 }
 
 /// The eighth with positive coordinates, on its three planes of symmetry, with air inside.
-fn sphere(formulation: Formulation, material: Material, cells: [usize; 2]) -> Problem {
+pub(crate) fn sphere(formulation: Formulation, material: Material, cells: [usize; 2]) -> Problem {
     let (mesh, inner) = eighth(formulation.element_kind(), cells);
     let mut problem = body(mesh, formulation, material);
     for axis in 0..3 {

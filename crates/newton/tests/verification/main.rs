@@ -12,6 +12,7 @@
 mod balance;
 mod cross_check;
 mod fixtures;
+mod loads;
 mod penetration;
 mod resume;
 mod snapshots;

@@ -11,7 +11,7 @@ const PRESSURES_KPA: [f64; 3] = [5.0, 25.0, 35.0];
 
 /// Small steps, so that most checkpoints are between requested pressures.
 fn settings() -> Solver {
-    Solver { max_step_kpa: 6.0, ..Solver::default() }
+    Solver { max_step: 6.0, ..Solver::default() }
 }
 
 fn problem() -> Problem {
@@ -20,7 +20,7 @@ fn problem() -> Problem {
 
 fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<LandedState>) {
     let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
-    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.pressure_kpa);
+    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
     let settings = settings();
     let mut observer = |event: Event<'_>| {
         if let Event::StepAccepted(checkpoint) = event {
@@ -41,17 +41,17 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
 fn every_checkpoint_leads_to_the_same_end() {
     let problem = problem();
     let (checkpoints, expected) = follow_from(&problem, None);
-    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.pressure_kpa)).count();
+    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.time)).count();
     assert!(between > 3 && expected.last().unwrap().contact_points > 0);
     assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
     for checkpoint in checkpoints {
-        let at = checkpoint.pressure_kpa;
+        let at = checkpoint.time;
         let (_, landed) = follow_from(&problem, Some(checkpoint));
         let expected = &expected[expected.len() - landed.len()..];
         for (found, expected) in landed.iter().zip(expected) {
             let u = difference(&found.displacement, &expected.displacement);
             let reaction = difference(&found.reaction, &expected.reaction);
-            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.pressure_kpa);
+            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.time);
             assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
             assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
         }
@@ -70,7 +70,7 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
         Event::Iteration(record) => {
             iterations += 1;
             // In the middle of a step on the way to the second pressure.
-            stop.store(record.pressure_kpa > 10.0, Ordering::Relaxed);
+            stop.store(record.time > 10.0, Ordering::Relaxed);
         }
         Event::StepRejected { cause, .. } => panic!("{cause}"),
         _ => (),

@@ -1,0 +1,169 @@
+//! Loads as functions of time: homogeneous states whose stretches and forces are known.
+
+use pneuflex_assembly::dead::traction_forces;
+use pneuflex_mesh::lattice::Lattice;
+use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_model::load::Load;
+use pneuflex_model::{Clock, Curve, Formulation, Law, LinearEquation, Material, Motion, Problem, Solver, Support};
+use pneuflex_newton::LandedState;
+
+use crate::fixtures::{FORMULATIONS, follow, resultant};
+
+const SIDES: [f64; 3] = [2.0, 1.5, 1.0];
+
+fn settings() -> Solver {
+    Solver { first_step: 0.2, max_step: 0.5, min_step: 1e-3, ..Solver::default() }
+}
+
+/// A block on three planes of symmetry.
+fn block(formulation: Formulation, bulk_modulus: f64) -> Problem {
+    let mesh = Lattice::uniform([0.0; 3], SIDES, [2, 2, 1]).mesh_all(formulation.element_kind());
+    let mut problem = Problem::body(mesh, formulation, Material { bulk_modulus, ..Material::default() });
+    for axis in 0..3 {
+        hold(&mut problem, axis, 0.0, None);
+    }
+    problem.clock = Clock::Steps;
+    problem
+}
+
+fn hold(problem: &mut Problem, axis: usize, at: f64, motion: Option<Motion>) {
+    let nodes = problem.mesh.select_nodes(|x| (x[axis] - at).abs() < 1e-9);
+    let axes = std::array::from_fn(|k| k == axis);
+    problem.supports.push(Support { name: "plane".into(), nodes, axes, motion });
+}
+
+fn end_faces(mesh: &Mesh) -> Vec<Facet> {
+    mesh.select_facets(|x| (x[0] - SIDES[0]).abs() < 1e-9)
+}
+
+/// Largest displacement along x at the loaded end, mm.
+fn elongation(problem: &Problem, state: &LandedState) -> f64 {
+    let (node, _) = problem.mesh.nearest_node(SIDES).unwrap();
+    state.displacement[3 * node]
+}
+
+/// Nominal uniaxial stress of the incompressible material, MPa: 2 (λ − λ⁻²) W′(I₁ − 3).
+fn nominal(material: &Material, stretch: f64) -> f64 {
+    let x = stretch * stretch + 2.0 / stretch - 3.0;
+    2.0 * (stretch - stretch.powi(-2)) * yeoh_slope(material, x)
+}
+
+fn yeoh_slope(material: &Material, x: f64) -> f64 {
+    let Law::Yeoh { c10, c20, c30 } = material.law else { panic!("the default law is Yeoh's") };
+    c10 + 2.0 * c20 * x + 3.0 * c30 * x * x
+}
+
+#[test]
+fn a_moved_support_stretches_a_block() {
+    for formulation in FORMULATIONS {
+        let mut problem = block(formulation, 1e4);
+        // Out to a stretch of 1.5, and half the way back.
+        let curve = Curve::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.5]]);
+        let motion = Motion { displacement: [0.5 * SIDES[0], 7.0, 7.0], curve };
+        hold(&mut problem, 0, SIDES[0], Some(motion));
+        let states = follow(&problem, &[1.0, 2.0], &settings());
+        for (state, stretch) in states.iter().zip([1.5, 1.25]) {
+            assert!((elongation(&problem, state) - (stretch - 1.0) * SIDES[0]).abs() < 1e-12);
+            let pull: f64 = problem.supports[3].nodes.iter().map(|&node| state.reaction[3 * node as usize]).sum();
+            let expected = nominal(&problem.material, stretch) * SIDES[1] * SIDES[2];
+            assert!((pull / expected - 1.0).abs() < 1e-3, "{formulation}: {pull} N for {expected} N");
+        }
+    }
+}
+
+#[test]
+fn dead_loads_find_the_stretch_whose_stress_they_are() {
+    for formulation in FORMULATIONS {
+        let mut problem = block(formulation, 1e4);
+        let traction = nominal(&problem.material, 1.5);
+        let facets = end_faces(&problem.mesh);
+        // Half of it from the start, all of it at the end.
+        let curve = Curve::Table(vec![[0.0, 0.5], [1.0, 1.0]]);
+        problem.loads.push(Load::Traction { facets, traction: [traction, 0.0, 0.0], curve });
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        let stretch = 1.0 + elongation(&problem, &state) / SIDES[0];
+        assert!((stretch - 1.5).abs() < 1e-3, "{formulation}: {stretch}");
+        let [x, y, z] = resultant(&state.reaction);
+        assert!((x + traction * SIDES[1] * SIDES[2]).abs() < 1e-6 && y.abs() + z.abs() < 1e-6, "{x} {y} {z}");
+    }
+}
+
+#[test]
+fn pressure_from_all_sides_only_compresses() {
+    for formulation in FORMULATIONS {
+        let mut problem = block(formulation, 3.0);
+        let free = problem.mesh.boundary_facets().into_iter().filter(|&facet| {
+            let nodes = problem.mesh.facet_nodes(facet);
+            (0..3).all(|axis| nodes.iter().any(|&n| problem.mesh.nodes[n as usize][axis] != 0.0))
+        });
+        problem.loads.push(Load::Pressure { facets: free.collect(), curve: Curve::Proportional(0.6) });
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        // p = κ (1 − J) with J = λ³, whatever the law.
+        let expected = 0.8_f64.cbrt() - 1.0;
+        let strain = elongation(&problem, &state) / SIDES[0];
+        assert!((strain - expected).abs() < 1e-7, "{formulation}: {strain} for {expected}");
+    }
+}
+
+#[test]
+fn weight_hangs_on_its_support() {
+    for formulation in FORMULATIONS {
+        let mut problem = block(formulation, 1000.0);
+        problem.material.density = 1.1;
+        let acceleration = [9810.0, 0.0, 0.0];
+        problem.loads.push(Load::Gravity { elements: None, acceleration, curve: Curve::Proportional(20.0) });
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        let specific_weight = 20.0 * 1.1e-9 * 9810.0;
+        let weight = specific_weight * SIDES.iter().product::<f64>();
+        let [x, y, z] = resultant(&state.reaction);
+        assert!((x / weight + 1.0).abs() < 1e-9 && y.abs() + z.abs() < 1e-9 * weight, "{x} {y} {z} for {weight}");
+        // By Betti's theorem with a uniform uniaxial stress, the mean displacement of the end is ρ g L² / 2 E in linear elasticity.
+        let (kappa, mu) = (problem.material.bulk_modulus, problem.material.shear_modulus());
+        let young = 9.0 * kappa * mu / (3.0 * kappa + mu);
+        let expected = specific_weight * SIDES[0] * SIDES[0] / (2.0 * young);
+        let shares = traction_forces(&problem.mesh, &end_faces(&problem.mesh), [1.0, 0.0, 0.0]);
+        let moment: f64 = shares.iter().zip(state.displacement.chunks_exact(3)).map(|(share, u)| share[0] * u[0]).sum();
+        let found = moment / (SIDES[1] * SIDES[2]);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{formulation}: {found} for {expected}");
+    }
+}
+
+/// A face that equations keep plane, pulled at a single node, is a face under the mean stress.
+#[test]
+fn equations_tie_a_face_to_one_of_its_nodes() {
+    for formulation in FORMULATIONS {
+        let mut problem = block(formulation, 1e4);
+        let face = problem.mesh.select_nodes(|x| (x[0] - SIDES[0]).abs() < 1e-9);
+        let (leader, followers) = face.split_first().unwrap();
+        for &node in followers {
+            problem
+                .equations
+                .push(LinearEquation { terms: vec![(node, 0, 2.0), (*leader, 0, -2.0)], value: Curve::ZERO });
+        }
+        let force = nominal(&problem.material, 1.5) * SIDES[1] * SIDES[2];
+        let curve = Curve::Proportional(1.0);
+        problem.loads.push(Load::Force { nodes: vec![*leader], force: [force, 0.0, 0.0], curve });
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        for &node in &face {
+            let strain = state.displacement[3 * node as usize] / SIDES[0];
+            assert!((strain - 0.5).abs() < 1e-3, "{formulation}: {strain}");
+        }
+    }
+}
+
+/// The right-hand side of an equation moves what it ties: the mean of the end's displacements is prescribed.
+#[test]
+fn equations_prescribe_means() {
+    let mut problem = block(Formulation::Hex27, 1e4);
+    let face = problem.mesh.select_nodes(|x| (x[0] - SIDES[0]).abs() < 1e-9);
+    let share = 1.0 / face.len() as f64;
+    let terms: Vec<(u32, u8, f64)> = face.iter().map(|&node| (node, 0, share)).collect();
+    problem.equations.push(LinearEquation { terms, value: Curve::Proportional(0.4) });
+    let states = follow(&problem, &[0.5, 1.0], &settings());
+    for (state, expected) in states.iter().zip([0.2, 0.4]) {
+        let mean: f64 = face.iter().map(|&node| share * state.displacement[3 * node as usize]).sum();
+        assert!((mean - expected).abs() < 1e-9, "{mean}");
+        let [x, ..] = resultant(&state.reaction);
+        assert!(x < -0.01, "the equation pulls: {x}");
+    }
+}
