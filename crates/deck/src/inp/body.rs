@@ -271,7 +271,10 @@ fn elements_of_block(
         for field in context.fields(line) {
             match context.integer(line.place, field) {
                 Some(number) => numbers.push(number),
-                None => return found,
+                None => {
+                    found.retain(|element| element.nodes.len() == wanted);
+                    return found;
+                }
             }
         }
         match (found.last_mut().filter(|_| open), numbers.split_first()) {
