@@ -5,11 +5,15 @@
 //!
 //! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
 //! * [`inp`]: the meaning of such a deck → a problem with a schedule.
+//! * [`msh`]: Gmsh's `.msh` files → a mesh with named sets.
 //! * [`report`]: places in files, what is wrong there, what is worth knowing.
 //!
 //! A deck has no units. It is taken in mm, N, MPa (and tonnes per mm³ for densities).
 
 pub mod inp;
+mod jacobian;
+mod linear_tets;
+pub mod msh;
 pub mod report;
 pub mod syntax;
 

@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pneuflex_mesh::mesh::determinant;
-use pneuflex_mesh::{Mesh, quadrature, shape};
+use pneuflex_mesh::Mesh;
 
 use super::context::Context;
 use super::element_types::Family;
-use super::linear_tets::add_mid_edge_nodes;
 use super::outline::{Item, Outline, Scope};
+use crate::jacobian::inverted_elements;
+use crate::linear_tets::add_mid_edge_nodes;
 use crate::report::{Place, quoted};
 use crate::syntax::integer;
 
@@ -168,22 +168,13 @@ impl Body {
         }
     }
 
-    /// Elements must not be turned inside out where their energy is integrated.
     fn check_jacobians(&self, context: &mut Context<'_>) {
-        let rule = quadrature::volume(self.mesh.kind);
-        let gradients: Vec<_> = rule.iter().map(|(xi, _)| shape::tabulate(self.mesh.kind, *xi).1).collect();
-        for element in 0..self.mesh.num_elements() {
-            let jacobians: Vec<f64> =
-                gradients.iter().map(|gradients| determinant(&self.mesh.jacobian(element, gradients))).collect();
-            // Overflow leaves no number.
-            if !jacobians.iter().all(|&jacobian| jacobian > 0.0) {
-                let smallest = jacobians.into_iter().fold(f64::INFINITY, f64::min);
-                let name = self.element_name(element as u32);
-                let text = format!(
-                    "element {name} is inverted or flat: its Jacobian is {smallest:.3e}; check the order and the positions of its nodes"
-                );
-                context.error(self.element_places[element], text);
-            }
+        for (element, smallest) in inverted_elements(&self.mesh) {
+            let name = self.element_name(element as u32);
+            let text = format!(
+                "element {name} is inverted or flat: its Jacobian is {smallest:.3e}; check the order and the positions of its nodes"
+            );
+            context.error(self.element_places[element], text);
         }
     }
 }

@@ -7,10 +7,10 @@ use pneuflex_model::{Curve, LinearEquation, Motion, Support};
 use super::body::Body;
 use super::context::Context;
 use super::histories::{Histories, History, groups};
-use super::linear_tets::MidEdges;
 use super::outline::{Item, Outline};
 use super::schedule::{Event, Times};
 use super::sets::{AllSets, nodes_of};
+use crate::linear_tets::MidEdges;
 use crate::report::{Place, quoted};
 use crate::syntax::DataLine;
 

@@ -6,7 +6,7 @@ use pneuflex_mesh::{ElementKind, Mesh};
 
 /// Turns a mesh of tetrahedra given by their corners into one with straight mid-edge nodes, which elements share. New nodes come after
 /// the old ones, in the order of the elements.
-pub(super) fn add_mid_edge_nodes(mesh: &mut Mesh) {
+pub(crate) fn add_mid_edge_nodes(mesh: &mut Mesh) {
     let mut of_edge: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     let mut connectivity = Vec::with_capacity(mesh.connectivity.len() / 4 * 10);
     for corners in mesh.connectivity.chunks_exact(4) {
@@ -33,7 +33,7 @@ pub(super) fn add_mid_edge_nodes(mesh: &mut Mesh) {
 /// it lies on the surface of the body, or belongs to a tetrahedron all of whose corners are marked and which does not reach the surface
 /// on both sides: one that has a corner inside the body.
 #[derive(Debug)]
-pub(super) struct MidEdges {
+pub(crate) struct MidEdges {
     /// Ends and middle of edges on the surface.
     surface: Vec<[u32; 3]>,
     /// Tetrahedra with a corner inside the body: corners and mid-edge nodes.
