@@ -22,7 +22,7 @@ mod schedule;
 mod sets;
 
 use pneuflex_mesh::{Facet, Mesh};
-use pneuflex_model::{Problem, Region};
+use pneuflex_model::{Clock, Problem, Region};
 
 use crate::linear_tets::MidEdges;
 use crate::report::{DeckError, Note, Place, Report};
@@ -118,6 +118,7 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
         body.family.formulation(),
         regions.first()?.material.clone(),
     );
+    problem.clock = Clock::Steps;
     problem.regions = regions.into_iter().skip(1).collect();
     problem.supports = boundary::supports(&held, &times, mid_edges.as_ref());
     problem.equations = equations;
