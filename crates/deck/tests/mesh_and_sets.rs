@@ -49,6 +49,11 @@ fn surfaces_take_faces_of_sets_and_elements_or_all_that_are_free() {
     };
     assert_eq!(facets("TOP"), [[0.5, 0.5, 1.0], [1.5, 0.5, 1.0]]);
     assert_eq!(facets("END"), [[2.0, 0.5, 0.5]]);
+    let inner = notes(&cubes("*SURFACE, NAME=A\nBODY, S4\n", ""));
+    assert!(
+        inner.contains(&"a.inp:30: 1 of the 2 faces lie inside of the body, between two elements".to_owned()),
+        "{inner:?}"
+    );
     // Five faces: the sixth touches the other cube.
     assert_eq!(facets("SKIN").len(), 5);
     assert!(facets("SKIN").iter().all(|x| x[0] < 1.0));
@@ -121,57 +126,8 @@ fn tetrahedra_with_ten_nodes_keep_their_order() {
     assert!((deck.problem.mesh.volume() - 1.0 / 6.0).abs() < 1e-14);
 }
 
-const PARTS: &str = "*Heading
- two cubes
-*Part, name=Cube
-*Node
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-5, 0., 0., 1.
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*Element, type=C3D8H
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*Elset, elset=Set-1, generate
- 1, 1, 1
-*Nset, nset=Floor
- 1, 2, 3, 4
-*Solid Section, elset=Set-1, material=Rubber
-,
-*End Part
-*Assembly, name=Assembly
-*Instance, name=Cube-1, part=Cube
-*End Instance
-*Instance, name=Cube-2, part=Cube
- 0., 0., 3.
- 0., 0., 3., 1., 0., 3., 90.
-*End Instance
-*Nset, nset=Both, instance=Cube-1
- 5,
-*Nset, nset=Both, instance=Cube-2
- 1, 2
-*Elset, elset=_Top_S2, internal, instance=Cube-1
- 1,
-*Surface, type=ELEMENT, name=Top
-_Top_S2, S2
-*End Assembly
-*Material, name=Rubber
-*Hyperelastic, yeoh
-0.2, 0.02, 0.002, 0.01, 0., 0.
-*Boundary
-Cube-1.Floor, ENCASTRE
-Cube-2.1, 1, 1
-Assembly.Both, 2, 2
-*Step, name=Step-1, nlgeom=YES
-*Static
-0.1, 1., 1e-05, 1.
-*Dsload
-Top, P, 0.01
-*End Step
-";
+/// As Abaqus/CAE writes decks.
+const PARTS: &str = include_str!("data/assembly.inp");
 
 #[test]
 fn instances_are_placed_copies_of_their_parts() {

@@ -8,7 +8,10 @@ use pneuflex_deck::read;
 use pneuflex_model::load::Load;
 use proptest::prelude::*;
 
-const DECKS: [&str; 3] = ["cantilever", "blocks", "tube"];
+const DECKS: [&str; 4] = ["cantilever", "blocks", "tube", ASSEMBLY];
+
+/// With parts and instances, as Abaqus/CAE writes decks.
+const ASSEMBLY: &str = "../../crates/deck/tests/data/assembly";
 
 fn text(name: &str) -> String {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/decks");
@@ -83,7 +86,7 @@ const HOSTILE: [&str; 14] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(ProptestConfig::with_cases(150))]
 
     #[test]
     fn truncated_and_shuffled_decks_are_read_or_refused(
@@ -119,6 +122,13 @@ proptest! {
         }
         if let Ok(deck) = read("a.inp", lines.join("\n").into(), &mut |_| Err(String::new())) {
             prop_assert!(deck.problem.mesh.nodes.iter().flatten().all(|x| x.is_finite()));
+            let curves = deck.problem.loads.iter().map(|load| match load {
+                Load::Force { curve, .. } | Load::Pressure { curve, .. } | Load::Traction { curve, .. } | Load::Gravity { curve, .. } => curve,
+            });
+            let motions = deck.problem.supports.iter().filter_map(|support| Some(&support.motion.as_ref()?.curve));
+            for curve in curves.chain(motions) {
+                prop_assert!(curve.corners().all(|time| time.is_finite() && curve.at(time).is_finite()));
+            }
             prop_assert!(deck.schedule.times.windows(2).all(|pair| pair[0] < pair[1]));
             prop_assert!(deck.schedule.times.iter().all(|time| time.is_finite() && *time > 0.0));
         }

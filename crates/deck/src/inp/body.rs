@@ -1,8 +1,9 @@
 //! Nodes and elements → a mesh.
 
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use pneuflex_mesh::Mesh;
+use pneuflex_mesh::{Facet, Mesh};
 
 use super::context::Context;
 use super::element_types::Family;
@@ -34,6 +35,7 @@ pub(super) struct Body {
     pub element_numbers: Vec<Number>,
     /// Where our elements are written.
     pub element_places: Vec<Place>,
+    free: OnceCell<BTreeSet<Facet>>,
 }
 
 /// A node that a deck refers to.
@@ -117,9 +119,26 @@ impl Body {
             elements: elements.iter().map(|e| e.number).zip(0..).collect(),
             element_numbers: elements.iter().map(|e| e.number).collect(),
             element_places: elements.iter().map(|e| e.place).collect(),
+            free: OnceCell::new(),
         };
         body.check_jacobians(context);
         Some(body)
+    }
+
+    /// Whether a face belongs to one element only.
+    pub fn is_free(&self, facet: Facet) -> bool {
+        self.free.get_or_init(|| self.mesh.boundary_facets().into_iter().collect()).contains(&facet)
+    }
+
+    /// Loads on faces between two elements are taken as they are, but are hardly ever meant.
+    pub fn note_inner_faces(&self, facets: &[Facet], place: Place, context: &mut Context<'_>) {
+        let inner = facets.iter().filter(|facet| !self.is_free(**facet)).count();
+        if inner > 0 {
+            context.note(
+                place,
+                format!("{inner} of the {} faces lie inside of the body, between two elements", facets.len()),
+            );
+        }
     }
 
     /// An element's number as the deck has it.

@@ -30,13 +30,12 @@ pub(super) fn read_supports(
     context: &mut Context<'_>,
 ) -> Histories<Component> {
     let mut held: Histories<Component> = BTreeMap::new();
-    let of_step = |step: Option<u32>| outline.of("BOUNDARY").filter(move |item| item.step == step);
-    for item in of_step(None) {
+    for item in outline.of_step("BOUNDARY", None) {
         read_block(item, body, sets, times, &mut held, context);
     }
     for step in 0..times.steps.len() as u32 {
         let mut renewed: Option<Place> = None;
-        for item in of_step(Some(step)) {
+        for item in outline.of_step("BOUNDARY", Some(step)) {
             context.expect_word(item.block, "OP", &["MOD", "NEW"]);
             if item.block.word("OP").is_some_and(|word| word == "NEW") {
                 renewed.get_or_insert(item.block.place);
@@ -83,6 +82,9 @@ fn read_block(
         }
         let Some((axes, value)) = read_axes(line, rest, context) else { continue };
         let value = if times.is_absolute(amplitude) { 1.0 } else { value };
+        if item.step.is_some_and(|step| !times.is_finite(&Event { step, value, amplitude })) {
+            context.error(line.place, "the displacement is too large a number");
+        }
         let name = if nodes.len() == 1 && body.node(item.scope, target).is_some() { "nodes" } else { target };
         for &node in &nodes {
             for &axis in &axes {

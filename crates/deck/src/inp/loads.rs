@@ -52,7 +52,7 @@ impl Loads {
         for step in 0..times.steps.len() as u32 {
             for keyword in ["CLOAD", "DLOAD", "DSLOAD"] {
                 let mut renewed = false;
-                for item in outline.of(keyword).filter(|item| item.step == Some(step)) {
+                for item in outline.of_step(keyword, Some(step)) {
                     context.expect_word(item.block, "OP", &["MOD", "NEW"]);
                     renewed |= item.block.word("OP").is_some_and(|word| word == "NEW");
                     loads.block(item, step, body, sets, times, context);
@@ -103,7 +103,7 @@ impl Loads {
                 }
                 let value = if times.is_absolute(amplitude) { 1.0 } else { value };
                 let event = Event { step, value, amplitude };
-                if let Err(why) = self.act(component, fields[0], line.place, event, context) {
+                if let Err(why) = self.act(component, fields[0], line.place, event, (times, context)) {
                     context.error(line.place, format!("{}: {why}", item.block.written));
                     break;
                 }
@@ -118,7 +118,7 @@ impl Loads {
         name: &str,
         place: Place,
         event: Event,
-        context: &mut Context<'_>,
+        (times, context): (&Times, &mut Context<'_>),
     ) -> Result<(), String> {
         let history = self.histories.entry(component).or_insert_with(|| History::new("", place));
         history.last = Some(event.step);
@@ -130,7 +130,8 @@ impl Loads {
             }
             Some(_) => return Err(format!("{} is loaded twice in the step, with different amplitudes", quoted(name))),
         }
-        Ok(())
+        let is_finite = history.event(event.step).is_none_or(|event| times.is_finite(event));
+        if is_finite { Ok(()) } else { Err("the load is too large a number".to_owned()) }
     }
 
     fn read_distributed(
@@ -164,8 +165,10 @@ impl Loads {
             return Vec::new();
         };
         let Some(value) = magnitude(place, rest, context) else { return Vec::new() };
-        let pressure = |element| (Component::ElementPressure(Facet { element, face }), value);
-        elements.unwrap_or_default().into_iter().map(pressure).collect()
+        let facets = elements.unwrap_or_default().into_iter().map(|element| Facet { element, face });
+        let facets: Vec<Facet> = facets.collect();
+        body.note_inner_faces(&facets, place, context);
+        facets.into_iter().map(|facet| (Component::ElementPressure(facet), value)).collect()
     }
 
     fn read_gravity(

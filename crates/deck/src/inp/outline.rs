@@ -49,6 +49,14 @@ impl<'a> Outline<'a> {
         self.items.iter().copied().filter(move |item| item.block.keyword == keyword)
     }
 
+    /// Items of a keyword in a step, or before the first for `None`.
+    pub fn of_step(&self, keyword: &'static str, step: Option<u32>) -> impl Iterator<Item = Item<'a>> + '_ {
+        // Items come in the order of the steps.
+        let begin = self.items.partition_point(|item| item.step < step);
+        let items = self.items[begin..].iter().copied().take_while(move |item| item.step == step);
+        items.filter(move |item| item.block.keyword == keyword)
+    }
+
     /// Sorts the keywords of a deck.
     pub fn new(blocks: &'a [Block], context: &mut Context<'_>) -> Self {
         let outline = Self { scopes: vec![Scope::default()], items: Vec::new(), steps: Vec::new() };

@@ -90,8 +90,7 @@ impl Times {
         } else {
             context.expect_word(block, "AMPLITUDE", &["RAMP", "STEP"]);
         }
-        let statics: Vec<&Block> =
-            outline.of("STATIC").filter(|item| item.step == Some(number)).map(|item| item.block).collect();
+        let statics: Vec<&Block> = outline.of_step("STATIC", Some(number)).map(|item| item.block).collect();
         match statics[..] {
             [one] => step.read(one, context),
             [] => context.error(block.place, "the step has no *STATIC: other procedures cannot be solved"),
@@ -114,6 +113,13 @@ impl Times {
     /// Whether an amplitude's values count themselves, not as factors.
     pub fn is_absolute(&self, amplitude: Option<usize>) -> bool {
         amplitude.is_some_and(|number| self.amplitudes[number].is_absolute)
+    }
+
+    /// Whether an event leads to numbers at all times.
+    pub fn is_finite(&self, event: &Event) -> bool {
+        let largest =
+            |number: usize| self.amplitudes[number].points.iter().fold(0.0_f64, |a, point| a.max(point[1].abs()));
+        (event.value * event.amplitude.map_or(1.0, largest)).is_finite()
     }
 
     /// Times to land on: the ends of the steps, and all increments of a step with `DIRECT`.
@@ -176,8 +182,11 @@ impl Step {
         }
         // Zeros stand for the defaults.
         let [first, period] = values.map(|value| if value == 0.0 { 1.0 } else { value });
-        if !(first > 0.0 && period > 0.0 && period < 1e9) {
-            return context.error(line.place, "*STATIC takes a first increment and a period greater than 0");
+        // Times must stay apart when they are added up.
+        let is_good = period > 1e-9 * self.begin.max(1e-3) && period < 1e9;
+        if !(first > 0.0 && is_good) {
+            return context
+                .error(line.place, "*STATIC takes a first increment and a period greater than 0 and less than 1e9");
         }
         self.end = self.begin + period;
         self.first = first.min(period);

@@ -92,9 +92,8 @@ impl AllSets {
                 _ => {}
             }
         }
-        let mut free = None;
         for item in outline.of("SURFACE") {
-            sets.surface(item, body, &mut free, context);
+            sets.surface(item, body, context);
         }
         sets
     }
@@ -177,7 +176,7 @@ impl AllSets {
         self.elements.add(item.scope, name, members, true);
     }
 
-    fn surface(&mut self, item: Item<'_>, body: &Body, free: &mut Option<BTreeSet<Facet>>, context: &mut Context<'_>) {
+    fn surface(&mut self, item: Item<'_>, body: &Body, context: &mut Context<'_>) {
         let Some(name) = context.required(item.block, "NAME") else { return };
         let place = item.block.place;
         context.expect_word(item.block, "TYPE", &["ELEMENT"]);
@@ -197,15 +196,18 @@ impl AllSets {
             };
             match label {
                 [] => {
-                    let free = free.get_or_insert_with(|| body.mesh.boundary_facets().into_iter().collect());
                     let of_element = |&element: &u32| {
                         let faces = 0..body.mesh.kind.num_faces() as u8;
                         faces.map(move |face| Facet { element, face })
                     };
-                    facets.extend(elements.iter().flat_map(of_element).filter(|facet| free.contains(facet)));
+                    facets.extend(elements.iter().flat_map(of_element).filter(|&facet| body.is_free(facet)));
                 }
                 [label] => match body.family.labelled_face('S', label) {
-                    Some(face) => facets.extend(elements.into_iter().map(|element| Facet { element, face })),
+                    Some(face) => {
+                        let named: Vec<Facet> = elements.into_iter().map(|element| Facet { element, face }).collect();
+                        body.note_inner_faces(&named, line.place, context);
+                        facets.extend(named);
+                    }
                     None => {
                         let most = body.mesh.kind.num_faces();
                         let text = format!("surface {name}: {} is no face, S1 to S{most} are", quoted(label));
