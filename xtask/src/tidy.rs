@@ -6,15 +6,32 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 21] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
-    ("material-yeoh", &["mesh", "model"]),
+    ("material", &["mesh", "model"]),
+    ("material-yeoh", &["material", "model"]),
+    ("material-neo-hooke", &["material", "model"]),
+    ("material-mooney-rivlin", &["material", "model"]),
+    ("material-ogden", &["material", "model"]),
     ("contact", &["mesh", "model"]),
     ("factor", &[]),
-    ("assembly", &["mesh", "model", "material-yeoh", "contact", "factor"]),
+    (
+        "assembly",
+        &[
+            "mesh",
+            "model",
+            "material",
+            "material-yeoh",
+            "material-neo-hooke",
+            "material-mooney-rivlin",
+            "material-ogden",
+            "contact",
+            "factor",
+        ],
+    ),
     ("newton", &["mesh", "model", "contact", "assembly", "factor"]),
-    ("post", &["mesh", "model", "material-yeoh", "contact", "assembly"]),
+    ("post", &["mesh", "model", "material", "material-yeoh", "contact", "assembly"]),
     ("reference", &["mesh", "model"]),
     ("rod", &[]),
     ("report", &["mesh", "model", "post"]),

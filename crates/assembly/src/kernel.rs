@@ -201,6 +201,43 @@ pub fn add_skew<const N: usize, const C: usize, const FMA: bool>(
     add_point::<N, C, FMA>(sum, [g, &none, &none], deformation, &PointTangent { skew, ..PointTangent::default() });
 }
 
+/// Adds ∇N_a · A · ∇N_b for every pair of nodes, A being the second derivative of the energy by F: row and column 3i + j belong
+/// to ∂rᵢ/∂Xⱼ.
+#[inline(always)]
+pub fn add_moduli<const N: usize, const C: usize, const FMA: bool>(
+    sum: &mut PairBlocks<N, C>,
+    g: &NodeVectors<C>,
+    moduli: &[[f64; 9]; 9],
+) {
+    for a in 0..N {
+        let ga = at(g, a);
+        // Row i of ∇N_a · A.
+        let mut m = [[0.0; 9]; 3];
+        for i in 0..3 {
+            for k in 0..9 {
+                for j in 0..3 {
+                    m[i][k] = add::<FMA>(m[i][k], ga[j], moduli[3 * i + j][k]);
+                }
+            }
+        }
+        for c in 0..=a / LANES {
+            let block = &mut sum[a][c];
+            for l in 0..LANES {
+                let gb = [g[0][c][l], g[1][c][l], g[2][c][l]];
+                for k in 0..3 {
+                    for i in 0..3 {
+                        let mut entry = block[3 * k + i][l];
+                        for n in 0..3 {
+                            entry = add::<FMA>(entry, m[i][3 * k + n], gb[n]);
+                        }
+                        block[3 * k + i][l] = entry;
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Adds b wᵀ for every pair of nodes.
 #[inline(always)]
 pub fn add_outer<const N: usize, const C: usize, const FMA: bool>(

@@ -38,7 +38,7 @@ impl LocalBlock {
     }
 }
 
-/// Why a block cannot be evaluated.
+/// Why a block cannot be evaluated: its material is turned inside out, or deformed so far that its energy overflows.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("block {block} is turned inside out: det F = {jacobian:.3e} at its integration point {point}")]
 pub struct LocalError {
@@ -62,7 +62,7 @@ pub trait LocalContribution: Sync {
     /// caller has reset.
     ///
     /// # Errors
-    /// [`LocalError`] if the material is turned inside out.
+    /// [`LocalError`] if the material is turned inside out, or so far deformed that its energy is no finite number.
     fn evaluate(
         &self,
         block: usize,

@@ -12,38 +12,43 @@
 //!
 //! The last term is the second derivative of J; it equals −W_J \[F (∇N_a × ∇N_b)\]ₓ, where \[v\]ₓ x = v × x.
 //!
+//! Other laws are asked for P and A = ∂P/∂F: r_a = w P ∇N_a, K_ab = w ∇N_a·A·∇N_b.
+//!
 //! # Mixed linearisation
 //!
-//! The residual is that of the energy: its pressure is κ M⁻¹ θ. The tangent's geometric term may carry another one, an
+//! The residual is that of the energy: its pressure is κ M⁻¹ θ (for other volumetric energies than ½ κ (J − 1)², see
+//! [`crate::law::ElementMaterial::respond_to_dilatation`]). The tangent's geometric term may carry another one, an
 //! independent pressure p of each element that Newton's method updates by p ← κ M⁻¹ (θ + B δu) (Magisano, Leonetti &
 //! Garcea 2017, *Comput. Methods Appl. Mech. Engrg.* 313; design §3.1). At a solution the two agree, so the tangent is
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
 use nalgebra::Matrix4;
-use pneuflex_material_yeoh::{Kinematics, Yeoh};
+use pneuflex_material::{
+    Hyperelastic, Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian,
+};
 use pneuflex_mesh::{
     ElementKind, Mesh,
     mesh::{cofactor, determinant},
 };
-use pneuflex_model::{Formulation, Material};
+use pneuflex_model::{Formulation, Material, Volumetric};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::formulation::{IntegrationPoint, ReferenceElement};
 use crate::kernel::{
-    LANES, NodeVectors, PairBlocks, PointTangent, add_outer, add_point, add_scaled, add_skew, geometry, gradient_of,
-    inner, store, to_lanes, transform, zero,
+    LANES, NodeVectors, PairBlocks, PointTangent, add_moduli, add_outer, add_point, add_scaled, add_skew, geometry,
+    gradient_of, inner, store, to_lanes, transform, zero,
 };
+use crate::law::{ElementMaterial, VolumetricResponse};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// All elements of a body.
 #[derive(Clone, Debug)]
 pub struct Solid {
     reference: ReferenceElement,
-    law: Yeoh,
-    /// Parts of the bulk modulus that resist the mean change of volume and its fluctuations, MPa.
-    bulk_modulus: f64,
-    fluctuation_modulus: f64,
+    materials: Vec<ElementMaterial>,
+    /// Number of every element's material.
+    material_of: Vec<u16>,
     nodes: Vec<[f64; 3]>,
     connectivity: Vec<u32>,
     /// M⁻¹ of every element; only the leading `num_modes` rows and columns count.
@@ -68,17 +73,28 @@ pub struct DegenerateElement {
 }
 
 impl Solid {
-    /// The body of a mesh.
+    /// The body of a mesh, of one material.
     ///
     /// # Errors
     /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
     pub fn new(mesh: &Mesh, formulation: Formulation, material: &Material) -> Result<Self, DegenerateElement> {
-        let fluctuation_modulus = formulation.fluctuation_modulus(material);
+        Self::of_materials(mesh, formulation, &[material], vec![0; mesh.num_elements()])
+    }
+
+    /// The body of a mesh; `material_of` is the number of every element's material in `materials`.
+    ///
+    /// # Errors
+    /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
+    pub fn of_materials(
+        mesh: &Mesh,
+        formulation: Formulation,
+        materials: &[&Material],
+        material_of: Vec<u16>,
+    ) -> Result<Self, DegenerateElement> {
         let mut solid = Self {
             reference: ReferenceElement::new(formulation),
-            law: Yeoh::of(material).expect("other laws are refused by the case file"),
-            bulk_modulus: material.bulk_modulus - fluctuation_modulus,
-            fluctuation_modulus,
+            materials: materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect(),
+            material_of,
             nodes: mesh.nodes.clone(),
             connectivity: mesh.connectivity.clone(),
             inverse_mass: Vec::new(),
@@ -120,13 +136,14 @@ impl Solid {
         self.carried = self.element_pressures(displacement, None);
     }
 
-    /// Updates the carried pressures for a Newton correction δu computed at `displacement`: p ← κ M⁻¹ (θ + B δu).
+    /// Updates the carried pressures for a Newton correction δu computed at `displacement`: p ← p(θ) + ∂p/∂θ B δu, with the
+    /// quadratic volumetric energy κ M⁻¹ (θ + B δu).
     pub fn update_pressures(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
         self.carried = self.element_pressures(displacement, Some(correction));
     }
 
-    /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: κ M⁻¹ θ, or with a correction
-    /// κ M⁻¹ (θ + B δu). The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
+    /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: p(θ), or with a correction
+    /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
         match self.reference.kind {
@@ -163,6 +180,7 @@ impl Solid {
     ) {
         let [x, u] = [&self.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, correction.is_some());
+        let (material, modes) = (self.material(element), self.reference.num_modes);
         let mut theta = dilatation.theta;
         if let Some(correction) = correction {
             let delta = self.gather::<N, C>(element, correction);
@@ -170,18 +188,39 @@ impl Solid {
                 *theta += inner(gradient, &delta);
             }
         }
-        out.copy_from_slice(&self.pressure_of_dilatation(element, &theta)[..self.reference.num_modes]);
+        let pressure = if material.volumetric == Volumetric::Quadratic {
+            material.quadratic_pressure(&theta, &self.inverse_mass[element], modes)
+        } else {
+            // Where U is not defined the element cannot be evaluated either.
+            let here = self.volumetric_response::<C, FMA>(element, &x, &dilatation.theta);
+            here.map_or([f64::NAN; 4], |here| {
+                let by_correction =
+                    |i: usize| (0..modes).map(|j| here.modulus[i][j] * (theta[j] - dilatation.theta[j])).sum::<f64>();
+                std::array::from_fn(|i| if i < modes { here.pressure[i] + by_correction(i) } else { 0.0 })
+            })
+        };
+        out.copy_from_slice(&pressure[..modes]);
     }
 
-    fn pressure_of_dilatation(&self, element: usize, theta: &[f64; 4]) -> [f64; 4] {
-        let inverse = &self.inverse_mass[element];
-        std::array::from_fn(|i| {
-            if i < self.reference.num_modes {
-                self.bulk_modulus * (0..self.reference.num_modes).map(|j| inverse[i][j] * theta[j]).sum::<f64>()
-            } else {
-                0.0
-            }
-        })
+    fn material(&self, element: usize) -> &ElementMaterial {
+        &self.materials[usize::from(self.material_of[element])]
+    }
+
+    #[inline(always)]
+    fn volumetric_response<const C: usize, const FMA: bool>(
+        &self,
+        element: usize,
+        x: &NodeVectors<C>,
+        theta: &[f64; 4],
+    ) -> Result<VolumetricResponse, LocalError> {
+        let (inverse, modes) = (&self.inverse_mass[element], self.reference.num_modes);
+        let points = || {
+            let volume = |point| self.geometry_at::<C, FMA>(element, x, point).1;
+            self.reference.volumetric.iter().map(move |point| (point.modes, volume(point)))
+        };
+        self.material(element)
+            .respond_to_dilatation(theta, inverse, modes, points)
+            .map_err(|(point, jacobian)| LocalError { block: element, point, jacobian })
     }
 
     fn element_nodes(&self, element: usize) -> &[u32] {
@@ -266,8 +305,10 @@ impl Solid {
         let modes = self.reference.num_modes;
 
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, request >= Request::Residual);
-        let pressure = self.pressure_of_dilatation(element, &dilatation.theta);
-        out.energy += 0.5 * (0..modes).map(|i| pressure[i] * dilatation.theta[i]).sum::<f64>();
+        let VolumetricResponse { energy, pressure, modulus } =
+            self.volumetric_response::<C, FMA>(element, &x, &dilatation.theta)?;
+        out.energy += energy;
+        let material = self.material(element);
         let mut residual: NodeVectors<C> = zero();
         for i in 0..modes {
             add_scaled::<C, FMA>(&mut residual, pressure[i], &dilatation.gradient[i]);
@@ -284,11 +325,19 @@ impl Solid {
             let h = gradient_of::<C, FMA>(&u, &g);
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
-            let mut d = self.law.evaluate(&kinematics);
+            let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
+            let Some(mut d) = material.law.by_invariants(&kinematics) else {
+                let state = GeneralPoint { kinematics: &kinematics, g: &g, volume, shared };
+                let residual = (request >= Request::Residual).then_some(&mut residual);
+                let energy = state.add::<N, FMA>(material, residual, tangent.as_mut());
+                let overflow = LocalError { block: element, point: index, jacobian: kinematics.jacobian };
+                out.energy += energy.ok_or(overflow)?;
+                continue;
+            };
             let excess = kinematics.jacobian_minus_1;
-            d.energy += 0.5 * self.fluctuation_modulus * excess * excess;
-            d.wj += self.fluctuation_modulus * excess;
-            d.wjj += self.fluctuation_modulus;
+            d.energy += 0.5 * material.fluctuation_modulus * excess * excess;
+            d.wj += material.fluctuation_modulus * excess;
+            d.wjj += material.fluctuation_modulus;
             out.energy += volume * d.energy;
             if request == Request::Energy {
                 continue;
@@ -298,7 +347,6 @@ impl Solid {
             add_scaled::<C, FMA>(&mut residual, 2.0 * volume * d.w1, &f);
             add_scaled::<C, FMA>(&mut residual, volume * d.wj, &c);
             if let Some(tangent) = &mut tangent {
-                let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
                 let factors = PointTangent {
                     identity: 2.0 * volume * d.w1,
                     outer: [4.0 * volume * d.w11, 2.0 * volume * d.w1j, volume * d.wjj],
@@ -313,12 +361,11 @@ impl Solid {
             }
         }
         if let Some(tangent) = &mut tangent {
-            // κ Bᵀ M⁻¹ B.
-            let inverse = &self.inverse_mass[element];
+            // Bᵀ ∂p/∂θ B.
             for i in 0..modes {
                 let mut weighted = zero();
                 for j in 0..modes {
-                    add_scaled::<C, FMA>(&mut weighted, self.bulk_modulus * inverse[i][j], &dilatation.gradient[j]);
+                    add_scaled::<C, FMA>(&mut weighted, modulus[i][j], &dilatation.gradient[j]);
                 }
                 add_outer::<N, C, FMA>(tangent, &dilatation.gradient[i], &weighted);
             }
@@ -358,6 +405,51 @@ impl Solid {
             Arch::Scalar => self.evaluate_nodes::<N, C, false>(element, displacement, request, out),
             processor => processor.dispatch(EvaluateNodes::<N, C> { solid: self, element, displacement, request, out }),
         }
+    }
+}
+
+/// A deviatoric point whose law is no function of I₁ and J alone.
+struct GeneralPoint<'a, const C: usize> {
+    kinematics: &'a Kinematics,
+    g: &'a NodeVectors<C>,
+    volume: f64,
+    /// Volume times the carried pressure, where its geometric term is added here.
+    shared: f64,
+}
+
+impl<const C: usize> GeneralPoint<'_, C> {
+    /// Adds residual and tangent, and returns the energy; `None` where it is no finite number.
+    #[inline(always)]
+    fn add<const N: usize, const FMA: bool>(
+        &self,
+        material: &ElementMaterial,
+        residual: Option<&mut NodeVectors<C>>,
+        tangent: Option<&mut PairBlocks<N, C>>,
+    ) -> Option<f64> {
+        let &Self { kinematics, g, volume, shared } = self;
+        let (excess, modulus) = (kinematics.jacobian_minus_1, material.fluctuation_modulus);
+        let (energy, mut stress) = match tangent {
+            Some(tangent) => {
+                let response = material.law.respond(kinematics);
+                let mut moduli: Tangent = response.tangent.map(|row| row.map(|entry| volume * entry));
+                add_dyad(&mut moduli, volume * modulus, &kinematics.cofactor, &kinematics.cofactor);
+                let of_jacobian = second_derivative_of_jacobian(&kinematics.gradient);
+                add_tangent(&mut moduli, volume * modulus * excess + shared, &of_jacobian);
+                add_moduli::<N, C, FMA>(tangent, g, &moduli);
+                (response.energy, response.stress)
+            }
+            None => material.law.energy_and_stress(kinematics),
+        };
+        for i in 0..3 {
+            for j in 0..3 {
+                stress[i][j] += modulus * excess * kinematics.cofactor[i][j];
+            }
+        }
+        if let Some(residual) = residual {
+            add_scaled::<C, FMA>(residual, volume, &transform::<C, FMA>(&stress, g));
+        }
+        let energy = volume * (energy + 0.5 * modulus * excess * excess);
+        (energy.is_finite() && stress.as_flattened().iter().all(|p| p.is_finite())).then_some(energy)
     }
 }
 

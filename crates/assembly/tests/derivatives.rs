@@ -5,10 +5,28 @@ use pneuflex_assembly::{Assembler, LocalContribution, Pressure, Request, Solid, 
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
-use pneuflex_model::{Formulation, Invariant, Material};
+use pneuflex_model::{Formulation, Invariant, Law, Material, OgdenTerm, Volumetric};
 
 const FORMULATIONS: [Formulation; 5] =
     [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+
+/// Every law with every volumetric form.
+fn materials() -> Vec<Material> {
+    let ogden = vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }];
+    let laws = [
+        Law::Yeoh { c10: 0.2712, c20: 0.03053, c30: -0.000_401_3 },
+        Law::NeoHooke { c10: 0.3 },
+        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 },
+        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.03, c11: -0.01, c02: 0.004 },
+        Law::Ogden { terms: ogden },
+    ];
+    let mut materials = vec![Material { invariant: Invariant::Full, ..Material::default() }];
+    for law in laws {
+        materials.push(law.clone().into());
+        materials.push(Material { volumetric: Volumetric::Logarithmic, ..law.into() });
+    }
+    materials
+}
 
 /// Two skewed elements.
 fn skewed(formulation: Formulation) -> Mesh {
@@ -77,12 +95,12 @@ fn check(name: &str, contribution: &dyn LocalContribution, u: &[[f64; 3]], is_fr
 #[test]
 fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
     for formulation in FORMULATIONS {
-        for invariant in [Invariant::Full, Invariant::Isochoric] {
+        for material in materials() {
             let mesh = skewed(formulation);
             // A soft bulk keeps the difference quotient's digits.
-            let material = Material { invariant, bulk_modulus: 3.0, ..Material::default() };
+            let material = Material { bulk_modulus: 3.0, ..material };
             let solid = Solid::new(&mesh, formulation, &material).unwrap();
-            check(&format!("{formulation} {invariant:?}"), &solid, &deformation(&mesh, 0.8), |_| true);
+            check(&format!("{formulation} {material:?}"), &solid, &deformation(&mesh, 0.8), |_| true);
         }
     }
 }
@@ -122,9 +140,11 @@ fn pressure_volume_is_the_cavity_and_follows_a_rigid_motion() {
 
 #[test]
 fn carried_pressures_change_the_geometric_tangent_only() {
-    for formulation in FORMULATIONS {
+    let forms = [Volumetric::Quadratic, Volumetric::Logarithmic];
+    for (formulation, volumetric) in FORMULATIONS.into_iter().flat_map(|f| forms.map(|form| (f, form))) {
         let mesh = skewed(formulation);
-        let mut solid = Solid::new(&mesh, formulation, &Material::default()).unwrap();
+        let material = Material { volumetric, ..Material::default() };
+        let mut solid = Solid::new(&mesh, formulation, &material).unwrap();
         let u = deformation(&mesh, 0.3);
         let (_, plain) = totals(&solid, &u, Request::Tangent);
         solid.carry_pressures(&u);
@@ -135,7 +155,7 @@ fn carried_pressures_change_the_geometric_tangent_only() {
         let (_, other) = totals(&solid, &u, Request::Tangent);
         assert_eq!(plain.residual, other.residual);
         assert_ne!(plain.tangent, other.tangent);
-        // κ M⁻¹ (θ + B δu) extrapolates κ M⁻¹ θ linearly.
+        // p(θ) is extrapolated linearly.
         let moved: Vec<[f64; 3]> =
             u.iter().zip(&correction).map(|(a, b)| std::array::from_fn(|k| a[k] + 1e-4 * b[k])).collect();
         let small: Vec<[f64; 3]> = correction.iter().map(|b| b.map(|x| 1e-4 * x)).collect();
@@ -143,7 +163,7 @@ fn carried_pressures_change_the_geometric_tangent_only() {
         let actual = solid.element_pressures(&moved, None);
         let start = solid.element_pressures(&u, None);
         for ((p, a), s) in predicted.iter().zip(&actual).zip(&start) {
-            assert!((p - a).abs() < 1e-3 * (a - s).abs().max(1e-6), "{formulation}: {s} {p} {a}");
+            assert!((p - a).abs() < 1e-3 * (a - s).abs().max(1e-6), "{formulation} {volumetric:?}: {s} {p} {a}");
         }
     }
 }

@@ -72,6 +72,8 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
     )?;
     if let Some(limit) = material_limit(material) {
         writeln!(text, "          gives way where the invariant exceeds 3 by {limit:.2}")?;
+    } else if material.law.reduced_polynomial().is_none() {
+        writeln!(text, "          whether and where it gives way is not checked for this law")?;
     }
     for support in &problem.supports {
         let axes: String =

@@ -2,7 +2,7 @@
 
 use pneuflex_model::{Case, ContactMethod, Formulation, Problem, Resolution};
 use pneuflex_newton::{Cause, Failure};
-use pneuflex_post::stress::{material_limit, recover};
+use pneuflex_post::stress::recover;
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
@@ -124,20 +124,17 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
 
 /// Where the material has no stiffness left, in words.
 fn material_gives_way(problem: &Problem, displacement: &[f64]) -> Option<String> {
-    let limit = material_limit(&problem.material)?;
     let stress = recover(problem, displacement).ok()?;
-    let beyond = stress.points.iter().filter(|point| point.invariant_minus_3 > limit).count();
-    let worst = |(_, a): &(usize, &_), (_, b): &(usize, &_)| {
-        let [a, b]: [&pneuflex_post::stress::StressPoint; 2] = [a, b];
-        a.invariant_minus_3.total_cmp(&b.invariant_minus_3)
-    };
-    let (index, point) = stress.points.iter().enumerate().max_by(worst).filter(|_| beyond > 0)?;
+    let beyond = stress.beyond_limit(problem);
+    let (element, point, limit) =
+        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
     let [x, y, z] = point.position;
     Some(format!(
         "the material gives way: in element {} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and beyond {limit:.2} \
-         these constants have no stiffness left ({beyond} integration points)",
-        index / stress.points_per_element.max(1),
-        point.invariant_minus_3
+         these constants have no stiffness left ({} integration points)",
+        element,
+        point.invariant_minus_3,
+        beyond.len()
     ))
 }
 

@@ -158,7 +158,8 @@ impl<'a> Path<'a> {
             is_loose: false,
         };
         let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
-        let rounding_per_mm = f64::EPSILON * problem.material.bulk_modulus * element_size * (n as f64).sqrt();
+        let bulk_modulus = problem.materials().0.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
+        let rounding_per_mm = f64::EPSILON * bulk_modulus * element_size * (n as f64).sqrt();
         Ok(Self {
             system,
             settings,

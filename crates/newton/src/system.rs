@@ -95,7 +95,8 @@ impl System {
     pub fn new(problem: &Problem, parallelism: Parallelism) -> Result<Self, SetupError> {
         let start = Instant::now();
         let mesh = Arc::new(problem.mesh.clone());
-        let solid = Solid::new(&mesh, problem.formulation, &problem.material)?;
+        let (materials, material_of) = problem.materials();
+        let solid = Solid::of_materials(&mesh, problem.formulation, &materials, material_of)?;
         let loads = Loads::new(problem)?;
         let contact = ContactModel::new(&mesh, &problem.contact_pairs, &problem.contact);
         let held = problem.held_dofs();

@@ -1,9 +1,9 @@
 //! Cauchy stress at integration points, and its average at nodes for pictures.
 //!
-//! With the deviatoric law `W(I₁, J)` of the material and a volumetric pressure `p` from the element,
+//! With the material's law W(F) of a change of shape and a volumetric pressure `p` from the element,
 //!
 //! ```text
-//! σ = (2 W₁ / J) F Fᵀ + (W_J + p) 1
+//! σ = J⁻¹ ∂W/∂F Fᵀ + p 1
 //! ```
 //!
 //! | formulation | volumetric pressure | volumetric energy |
@@ -12,14 +12,17 @@
 //! | `hex8-q1p0`, `tet10` | κ (J̄ − 1), J̄ = deformed / reference volume | ½ κ (J̄ − 1)² V |
 //! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
 //!
-//! On `tet10` a part κ_f of κ ([`Formulation::fluctuation_modulus`]) acts on J itself: the pressure is
+//! With another volumetric energy than κ/2 (J − 1)², p = M⁻¹ ∫ U′(J̄) ψ dV at J̄ = 1 + Σ ψᵢ (M⁻¹θ)ᵢ, with the energy
+//! ∫ U(J̄) dV. On `tet10` a part κ_f of κ ([`Formulation::fluctuation_modulus`]) acts on J itself: the pressure is
 //! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3; design §3.1.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
 //! the solver too.
 
-use pneuflex_material_yeoh::{Kinematics, Yeoh};
+use pneuflex_assembly::law::ElementMaterial;
+use pneuflex_material::{Hyperelastic, Kinematics, cofactor, volumetric};
+use pneuflex_material_yeoh::Yeoh;
 use pneuflex_mesh::mesh::determinant;
 use pneuflex_mesh::{ElementKind, quadrature, shape};
-use pneuflex_model::{Formulation, Invariant, Material, Problem};
+use pneuflex_model::{Formulation, Invariant, Material, Problem, Volumetric};
 
 use crate::error::{PostError, check};
 use crate::vector::at_node;
@@ -89,7 +92,7 @@ fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
 }
 
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
-/// `None` if there is none. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
+/// `None` if there is none, or if the law is none in the first invariant alone: others are not checked. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
     Yeoh::of(material)?.zero_slope()
 }
@@ -109,9 +112,8 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: SymmetricTensor) -> f64 {
 pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
     let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
-    let law = Yeoh::of(&problem.material).expect("other laws are refused by the case file");
-    let fluctuation_modulus = problem.formulation.fluctuation_modulus(&problem.material);
-    let kappa = problem.material.bulk_modulus - fluctuation_modulus;
+    let (materials, material_of) = problem.materials();
+    let laws: Vec<_> = materials.iter().map(|material| ElementMaterial::new(material, problem.formulation)).collect();
     let deviatoric = tabulate(kind, deviatoric_rule(problem.formulation));
     let volumetric = match problem.formulation {
         Formulation::Hex8Sri => tabulate(kind, quadrature::hexahedron(1)),
@@ -125,27 +127,27 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
         let at = |index: usize, point: &Tabulated| local(problem, displacement, element, index, point);
         let states = deviatoric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
         let volume = volumetric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
-        let (pressure, volumetric_energy) = match problem.formulation {
-            Formulation::Hex8Sri => {
-                let v: f64 = states.iter().map(|s| s.volume).sum();
-                let p = kappa * volume[0].kinematics.jacobian_minus_1;
-                ([p, 0.0, 0.0, 0.0], 0.5 * p * p / kappa * v)
-            }
-            Formulation::Hex8Q1p0 | Formulation::Tet10 => {
-                let v: f64 = volume.iter().map(|s| s.volume).sum();
-                let change: f64 = volume.iter().map(|s| s.volume * s.kinematics.jacobian_minus_1).sum();
-                let p = kappa * change / v;
-                ([p, 0.0, 0.0, 0.0], 0.5 * p * p / kappa * v)
-            }
-            Formulation::Hex20 | Formulation::Hex27 => linear_pressure(&volumetric, &volume, kappa),
+        let number = usize::from(material_of[element]);
+        let (material, model) = (&materials[number], &laws[number]);
+        let whole: f64 = states.iter().map(|s| s.volume).sum();
+        let volumes: Vec<f64> = match problem.formulation {
+            Formulation::Hex8Sri => vec![whole],
+            _ => volume.iter().map(|s| s.volume).collect(),
         };
+        let rule: Vec<([f64; 4], f64, f64)> = volumetric
+            .iter()
+            .zip(&volume)
+            .zip(volumes)
+            .map(|((point, state), v)| (modes_at(problem.formulation, point.xi), v, state.kinematics.jacobian_minus_1))
+            .collect();
+        let (pressure, volumetric_energy) = volumetric_pressure(&rule, model);
         strain_energy += volumetric_energy;
         for (point, state) in deviatoric.iter().zip(&states) {
             let excess = state.kinematics.jacobian_minus_1;
-            let p = linear_modes(point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>()
-                + fluctuation_modulus * excess;
-            strain_energy += 0.5 * fluctuation_modulus * excess * excess * state.volume;
-            let s = law.cauchy_stress(&state.kinematics);
+            let p = modes_at(problem.formulation, point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>()
+                + model.fluctuation_modulus * excess;
+            strain_energy += 0.5 * model.fluctuation_modulus * excess * excess * state.volume;
+            let s = model.law.cauchy_stress(&state.kinematics);
             let stress = [s[0][0] + p, s[1][1] + p, s[2][2] + p, s[0][1], s[1][2], s[0][2]];
             let mut position = [0.0; 3];
             for (value, &node) in point.values.iter().zip(mesh.element(element)) {
@@ -153,8 +155,8 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
                     position[d] += value * mesh.nodes[node as usize][d];
                 }
             }
-            strain_energy += law.evaluate(&state.kinematics).energy * state.volume;
-            let invariant_minus_3 = match problem.material.invariant {
+            strain_energy += model.law.energy_and_stress(&state.kinematics).0 * state.volume;
+            let invariant_minus_3 = match material.invariant {
                 Invariant::Full => state.kinematics.i1_minus_3,
                 Invariant::Isochoric => {
                     (state.kinematics.i1_minus_3 + 3.0) * state.kinematics.jacobian.powf(-2.0 / 3.0) - 3.0
@@ -182,7 +184,7 @@ fn local(
     let jacobian = mesh.jacobian(element, &point.gradients);
     let determinant = determinant(&jacobian);
     // ∂u/∂X = (∂u/∂ξ) (∂X/∂ξ)⁻¹, and the inverse is the transposed cofactor over the determinant.
-    let cofactor = pneuflex_material_yeoh::kinematics::cofactor(&jacobian);
+    let cofactor = cofactor(&jacobian);
     let mut by_xi = [[0.0; 3]; 3];
     for (&node, gradient) in mesh.element(element).iter().zip(&point.gradients) {
         let u = at_node(displacement, node);
@@ -200,26 +202,45 @@ fn local(
     Ok(Local { kinematics, volume: point.weight * determinant })
 }
 
-/// ψ = (1, ξ, η, ζ).
-fn linear_modes([x, y, z]: [f64; 3]) -> [f64; 4] {
-    [1.0, x, y, z]
+/// Pressure modes: ψ = (1, ξ, η, ζ), or the first alone.
+fn modes_at(formulation: Formulation, [x, y, z]: [f64; 3]) -> [f64; 4] {
+    match formulation {
+        Formulation::Hex20 | Formulation::Hex27 => [1.0, x, y, z],
+        Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => [1.0, 0.0, 0.0, 0.0],
+    }
 }
 
-/// Coefficients of the discontinuous linear pressure p = κ M⁻¹ θ, and ½ κ θᵀ M⁻¹ θ.
-fn linear_pressure(rule: &[Tabulated], states: &[Local], kappa: f64) -> ([f64; 4], f64) {
+/// Coefficients of the pressure M⁻¹ ∫ U′(J̄) ψ dV and the energy ∫ U(J̄) dV, from modes, volume and J − 1 at the volumetric points.
+fn volumetric_pressure(rule: &[([f64; 4], f64, f64)], material: &ElementMaterial) -> ([f64; 4], f64) {
+    let kappa = material.bulk_modulus;
     let (mut mass, mut theta) = ([[0.0; 4]; 4], [0.0; 4]);
-    for (point, state) in rule.iter().zip(states) {
-        let psi = linear_modes(point.xi);
+    for (psi, volume, excess) in rule {
         for i in 0..4 {
-            theta[i] += psi[i] * state.kinematics.jacobian_minus_1 * state.volume;
+            theta[i] += psi[i] * excess * volume;
             for j in 0..4 {
-                mass[i][j] += psi[i] * psi[j] * state.volume;
+                mass[i][j] += psi[i] * psi[j] * volume;
             }
         }
     }
+    // Modes that the formulation does not have are decoupled.
+    for i in 0..4 {
+        if mass[i][i] == 0.0 {
+            mass[i][i] = 1.0;
+        }
+    }
     let strain = solve_positive_definite(mass, theta);
-    let energy = 0.5 * kappa * (0..4).map(|i| theta[i] * strain[i]).sum::<f64>();
-    (strain.map(|s| kappa * s), energy)
+    if material.volumetric == Volumetric::Quadratic {
+        let energy = 0.5 * kappa * (0..4).map(|i| theta[i] * strain[i]).sum::<f64>();
+        return (strain.map(|s| kappa * s), energy);
+    }
+    let (mut slope, mut energy) = ([0.0; 4], 0.0);
+    for (psi, volume, _) in rule {
+        let excess = psi.iter().zip(&strain).map(|(psi, s)| psi * s).sum();
+        let [u, du, _] = volumetric::evaluate(material.volumetric, excess);
+        energy += kappa * u * volume;
+        (0..4).for_each(|i| slope[i] += kappa * du * psi[i] * volume);
+    }
+    (solve_positive_definite(mass, slope), energy)
 }
 
 /// Gaussian elimination without pivoting, which a positive definite matrix does not need.
@@ -255,6 +276,18 @@ impl StressField {
     /// together with [`StressField::von_mises_quantile`] and the position.
     pub fn largest_von_mises(&self) -> Option<&StressPoint> {
         self.points.iter().max_by(|a, b| a.von_mises.total_cmp(&b.von_mises))
+    }
+
+    /// Integration points at which their material has no stiffness left ([`material_limit`]): element, point and limit.
+    pub fn beyond_limit<'a>(&'a self, problem: &Problem) -> Vec<(usize, &'a StressPoint, f64)> {
+        let (materials, material_of) = problem.materials();
+        let limits: Vec<Option<f64>> = materials.into_iter().map(material_limit).collect();
+        let in_element = |(element, points): (usize, &'a [StressPoint])| {
+            let limit = limits[usize::from(material_of[element])].unwrap_or(f64::INFINITY);
+            let beyond = move |point: &&StressPoint| point.invariant_minus_3 > limit;
+            points.iter().filter(beyond).map(move |point| (element, point, limit))
+        };
+        self.points.chunks(self.points_per_element.max(1)).enumerate().flat_map(in_element).collect()
     }
 
     /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point; 0 for a body without elements.
@@ -356,6 +389,19 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
+    use pneuflex_assembly::MaterialLaw;
+    use pneuflex_model::{Law, OgdenTerm};
+
+    fn materials() -> Vec<Material> {
+        let mooney_rivlin = Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 };
+        let ogden = Law::Ogden { terms: vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }] };
+        vec![
+            Material { invariant: Invariant::Full, ..Material::default() },
+            Material::default(),
+            Material { volumetric: Volumetric::Logarithmic, ..mooney_rivlin.into() },
+            ogden.into(),
+        ]
+    }
 
     const ALL: [Formulation; 5] =
         [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
@@ -364,16 +410,21 @@ mod tests {
     #[test]
     fn an_affine_map_has_the_homogeneous_stress_and_energy() {
         let h = [[0.2, 0.1, 0.0], [-0.05, -0.1, 0.08], [0.03, 0.0, -0.07]];
-        for invariant in [Invariant::Full, Invariant::Isochoric] {
+        for material in materials() {
             for formulation in ALL {
                 let mut problem = with_formulation(3.0, formulation);
-                problem.material.invariant = invariant;
+                problem.material = material.clone();
                 let u = displacement_of(&problem, |x| std::array::from_fn(|i| (0..3).map(|j| h[i][j] * x[j]).sum()));
                 let field = recover(&problem, &u).unwrap();
                 let k = Kinematics::new(&h).unwrap();
-                let law = Yeoh::of(&problem.material).unwrap();
+                let law = MaterialLaw::new(&material);
                 let mut exact = law.cauchy_stress(&k);
-                let p = problem.material.bulk_modulus * k.jacobian_minus_1;
+                // The fluctuations of J have the quadratic energy in any case.
+                let fluctuation_modulus = formulation.fluctuation_modulus(&material);
+                let [u, du, _] = volumetric::evaluate(material.volumetric, k.jacobian_minus_1)
+                    .map(|u| u * (material.bulk_modulus - fluctuation_modulus));
+                let p = du + fluctuation_modulus * k.jacobian_minus_1;
+                let volumetric_energy = u + 0.5 * fluctuation_modulus * k.jacobian_minus_1.powi(2);
                 (0..3).for_each(|i| exact[i][i] += p);
                 let exact = [exact[0][0], exact[1][1], exact[2][2], exact[0][1], exact[1][2], exact[0][2]];
                 let nodal = field.at_nodes(&problem);
@@ -382,7 +433,7 @@ mod tests {
                         assert!((stress[c] - exact[c]).abs() < 1e-8 * p.abs(), "{formulation:?} {c}: {stress:?}");
                     }
                 }
-                let energy = (law.evaluate(&k).energy + 0.5 * p * k.jacobian_minus_1) * 1268.0;
+                let energy = (law.energy_and_stress(&k).0 + volumetric_energy) * 1268.0;
                 assert!((field.strain_energy - energy).abs() < 1e-9 * energy, "{formulation:?}");
                 assert!((field.element_pressures()[0] + (exact[0] + exact[1] + exact[2]) / 3.0).abs() < 1e-8 * p.abs());
                 assert!((field.points.iter().map(|p| p.volume).sum::<f64>() - 1268.0).abs() < 1e-8);
@@ -406,7 +457,7 @@ mod tests {
             let slope = (energy(step) - energy(-step)) / (2.0 * step);
             let field = recover(&problem, &state(0.0)).unwrap();
             let f = [[1.0, 0.0, 0.1], [0.02, 1.0, 0.0], [-0.1, 0.0, 1.0]];
-            let (j, cofactor) = (determinant(&f), pneuflex_material_yeoh::kinematics::cofactor(&f));
+            let (j, cofactor) = (determinant(&f), pneuflex_material::cofactor(&f));
             // grad(δu) = δF F⁻¹ with δF = diag(0.01, 0, 0.02).
             let rate = |i: usize, k: usize| [0.01, 0.0, 0.02][i] * cofactor[k][i] / j;
             let work: f64 = field

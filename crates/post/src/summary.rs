@@ -162,9 +162,10 @@ pub fn describe(
 }
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
-    let limit = stress::material_limit(&problem.material)?;
-    let beyond: Vec<_> = stress.points.iter().filter(|p| p.invariant_minus_3 > limit).collect();
-    let [x, y, z] = beyond.iter().max_by(|a, b| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?.position;
+    let beyond = stress.beyond_limit(problem);
+    let (_, worst, limit) =
+        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let [x, y, z] = worst.position;
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: the invariant exceeds 3 \
          by more than {limit:.2}, where these constants have no stiffness left",

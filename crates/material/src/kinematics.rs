@@ -5,6 +5,8 @@ pub use pneuflex_mesh::mesh::cofactor;
 /// The deformation at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
+    /// Displacement gradient H = F − 1.
+    pub displacement_gradient: [[f64; 3]; 3],
     /// Deformation gradient F = 1 + ∂u/∂X; `[i][j] = ∂xᵢ/∂Xⱼ`.
     pub gradient: [[f64; 3]; 3],
     /// Cofactor J F⁻ᵀ = ∂J/∂F.
@@ -48,7 +50,29 @@ impl Kinematics {
         for i in 0..3 {
             f[i][i] += 1.0;
         }
-        Ok(Self { gradient: f, cofactor: cofactor(&f), jacobian, jacobian_minus_1, i1_minus_3: 2.0 * trace + squares })
+        Ok(Self {
+            displacement_gradient: *h,
+            gradient: f,
+            cofactor: cofactor(&f),
+            jacobian,
+            jacobian_minus_1,
+            i1_minus_3: 2.0 * trace + squares,
+        })
+    }
+
+    /// C − 1 = H + Hᵀ + HᵀH, twice the Green–Lagrange strain.
+    pub fn right_cauchy_green_minus_1(&self) -> [[f64; 3]; 3] {
+        let h = &self.displacement_gradient;
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| h[i][j] + h[j][i] + (0..3).map(|k| h[k][i] * h[k][j]).sum::<f64>())
+        })
+    }
+
+    /// I₂ − 3 = 2 tr D + II(D) with D = C − 1, I₂ = ½ ((tr C)² − tr C²).
+    pub fn i2_minus_3(&self) -> f64 {
+        let d = self.right_cauchy_green_minus_1();
+        let minor = |a: usize, b: usize| d[a][a] * d[b][b] - d[a][b] * d[b][a];
+        2.0 * (d[0][0] + d[1][1] + d[2][2]) + minor(0, 1) + minor(1, 2) + minor(0, 2)
     }
 }
 
@@ -63,6 +87,15 @@ mod tests {
         let k = Kinematics::new(&h).unwrap();
         assert_eq!(k.jacobian_minus_1, 1e-12);
         assert!((k.i1_minus_3 - (2e-12 + 1e-24)).abs() < 1e-27);
+        assert!((k.i2_minus_3() - 2.0 * (2e-12 + 1e-24)).abs() < 1e-27);
+    }
+
+    /// I₂ is the sum of the squares of the cofactor's entries.
+    #[test]
+    fn the_second_invariant_is_that_of_the_cofactor() {
+        let k = Kinematics::new(&[[0.31, -0.22, 0.15], [0.08, -0.17, 0.21], [-0.12, 0.19, 0.26]]).unwrap();
+        let squares: f64 = k.cofactor.as_flattened().iter().map(|x| x * x).sum();
+        assert!((k.i2_minus_3() + 3.0 - squares).abs() < 1e-14);
     }
 
     #[test]
