@@ -54,3 +54,15 @@ fn blocks_in_contact_move_as_in_calculix() {
     let found = differences("blocks");
     assert!(found.iter().all(|difference| *difference < 0.01), "{found:?}");
 }
+
+#[test]
+fn a_beam_of_two_materials_bends_as_in_calculix() {
+    let found = differences("cantilever");
+    assert!(found.len() == 2 && found.iter().all(|difference| *difference < 0.01), "{found:?}");
+}
+
+#[test]
+fn a_tube_swells_and_stretches_as_in_calculix() {
+    let found = differences("tube");
+    assert!(found.len() == 2 && found.iter().all(|difference| *difference < 0.01), "{found:?}");
+}

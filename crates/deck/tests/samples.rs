@@ -65,6 +65,7 @@ fn summary(name: &str) -> String {
 fn sample_decks_are_understood() {
     insta::assert_snapshot!("cantilever", summary("cantilever"));
     insta::assert_snapshot!("blocks", summary("blocks"));
+    insta::assert_snapshot!("tube", summary("tube"));
 }
 
 /// Numbers and words that a careless or hostile deck may have in place of an entry.
