@@ -11,8 +11,9 @@ use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use pneuflex_model::model_file::Model;
 use pneuflex_model::{Case, CaseError};
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -26,11 +27,32 @@ const MOST_PROBLEMS: usize = 30;
 /// Bytes that a case file may have.
 const MAX_BYTES: u64 = 1_000_000;
 
-/// A case together with where its values come from.
+/// What a file in TOML describes.
+pub trait Document: DeserializeOwned {
+    /// Every key whose value is out of range.
+    fn problems(&self) -> Vec<CaseError>;
+}
+
+impl Document for Case {
+    fn problems(&self) -> Vec<CaseError> {
+        Self::problems(self)
+    }
+}
+
+impl Document for Model {
+    fn problems(&self) -> Vec<CaseError> {
+        Self::problems(self)
+    }
+}
+
+/// The case file of an actuator.
+pub type CaseFile = Written<Case>;
+
+/// A case or a model together with where its values come from.
 #[derive(Debug)]
-pub struct CaseFile {
+pub struct Written<T> {
     /// The case, every value within its range.
-    pub case: Case,
+    pub case: T,
     path: PathBuf,
     sources: Sources,
     keys: Vec<Key>,
@@ -57,7 +79,7 @@ struct Key {
     value: Range<usize>,
 }
 
-impl CaseFile {
+impl<T: Document> Written<T> {
     /// Reads and checks a case file with changes `key=value` applied to it.
     ///
     /// # Errors
@@ -110,15 +132,15 @@ impl CaseFile {
 }
 
 /// Reads the case, and says everything that is wrong with it.
-fn deserialize(
+fn deserialize<T: Document>(
     document: &mut Spanned<DeTable<'_>>,
     sources: &Sources,
     keys: &[Key],
-) -> (Option<Case>, Vec<InputError>) {
+) -> (Option<T>, Vec<InputError>) {
     let mut errors = Vec::new();
     let mut repairs = Repairs::default();
     while errors.len() < MOST_PROBLEMS {
-        let error = match Case::deserialize(toml::Deserializer::from(document.clone())) {
+        let error = match T::deserialize(toml::Deserializer::from(document.clone())) {
             Ok(case) => {
                 let problems = case.problems();
                 let said = problems.iter().filter(|problem| !repairs.touch(&problem.key));
@@ -185,6 +207,15 @@ impl Sources {
         let Text { name, start, text } = &self.texts[index];
         Place::new(name, text, span.start - start..span.end.max(span.start) - start)
     }
+}
+
+/// Whether a file describes a model rather than an actuator with nothing but air in it: a table [model], or times instead of pressures.
+/// A file that cannot be read is neither.
+pub fn is_model(path: &Path) -> bool {
+    let Some(text) = read(path).ok() else { return false };
+    let Ok(document) = DeTable::parse(&text) else { return false };
+    let load = document.get_ref().get("load").and_then(|load| load.get_ref().as_table());
+    document.get_ref().contains_key("model") || load.is_some_and(|load| load.contains_key("times"))
 }
 
 fn read(path: &Path) -> Result<String, InputError> {

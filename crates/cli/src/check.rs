@@ -8,30 +8,34 @@ use pneuflex_post::stress::material_limit;
 use pneuflex_post::summary::probe_sites;
 
 use crate::args::CaseArguments;
-use crate::case_file::CaseFile;
 use crate::error::{CliError, say};
 use crate::memory::{Estimate, size, thousands};
+use crate::study::{Description, Study};
+
+mod model;
 
 /// Checks a case and prints what would be solved.
 ///
 /// # Errors
 /// Bad input.
 pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
-    let file = CaseFile::load(&arguments.case, &arguments.set)?;
-    if let Some(warning) = Estimate::of(&file.case).guard(false)? {
-        say(&format!("warning: {warning}"));
+    let study = Study::load(&arguments.case, &arguments.set, false)?;
+    for note in &study.notes {
+        say(note);
     }
-    let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
     // Nobody reading on is no error.
-    let _ = io::stdout().write_all(describe(&file.case, &problem).as_bytes());
+    let _ = io::stdout().write_all(describe(&study).as_bytes());
     Ok(())
 }
 
 /// The description printed by `check`.
-pub fn describe(case: &Case, problem: &Problem) -> String {
+pub fn describe(study: &Study) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_description(&mut text, case, problem);
+    let _ = match &study.description {
+        Description::Actuator(case) => write_description(&mut text, case, &study.problem),
+        Description::Model(..) => model::write_description(&mut text, study),
+    };
     text
 }
 

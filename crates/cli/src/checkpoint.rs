@@ -1,6 +1,6 @@
 //! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack).
 
-use pneuflex_model::Case;
+use pneuflex_model::Clock;
 use pneuflex_newton::Checkpoint;
 use pneuflex_post::summary::StepSummary;
 use serde::{Deserialize, Serialize};
@@ -8,6 +8,7 @@ use toml::Value;
 
 use crate::error::InputError;
 use crate::folder::OutputFolder;
+use crate::study::{Description, Files, INPUT, Study, included_name};
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
@@ -61,21 +62,23 @@ pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> R
 ///
 /// # Errors
 /// Results of another case, of another version of the program, or a damaged checkpoint.
-pub fn load(folder: &OutputFolder, case: &Case) -> Result<Start, InputError> {
+pub fn load(folder: &OutputFolder, study: &Study) -> Result<Start, InputError> {
     let again = |what: String| {
         InputError::file(folder.path(), what)
             .help(Some("run without --resume to start over; that replaces what is there".into()))
     };
     let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
-    let old: Case = std::str::from_utf8(&text)
-        .ok()
-        .and_then(|text| toml::from_str(text).ok())
-        .ok_or_else(|| again("case.toml cannot be read: it is damaged, or another version's".into()))?;
-    let case = case.resolved();
-    let changes = changes(&old, &case);
-    if changes.is_empty() && landed_on(folder) == case.load.pressure_kpa {
+    let unreadable = || again("case.toml cannot be read: it is damaged, or another version's".into());
+    let old: toml::Table = std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
+    let new: toml::Table = study.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
+    let mut changes = changes(&old, &new);
+    if let Description::Model(_, files) = &study.description {
+        changes.extend(changed_files(folder, files));
+    }
+    if changes.is_empty() && landed_on(folder) == study.times {
         return Ok(Start::Complete);
     }
+    let old_times = times_of(&old);
     let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
     if !forbidden.is_empty() {
         return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
@@ -91,17 +94,18 @@ pub fn load(folder: &OutputFolder, case: &Case) -> Result<Start, InputError> {
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
-    let landed = loaded.recorded.steps.iter().map(|step| step.pressure_kpa);
-    let pressures = &case.load.pressure_kpa;
+    let landed = loaded.recorded.steps.iter().map(|step| step.time.unwrap_or(step.pressure_kpa));
+    let times = &study.times;
     let count = loaded.recorded.steps.len();
-    let goes_on = landed.eq(pressures.iter().copied().take(count))
-        && pressures.get(count).is_none_or(|next| *next >= loaded.path.time)
-        // The last pressure reached may not be among the steps yet.
-        && (!old.load.pressure_kpa.contains(&loaded.path.time) || pressures.contains(&loaded.path.time));
+    let goes_on = landed.eq(times.iter().copied().take(count))
+        && times.get(count).is_none_or(|next| *next >= loaded.path.time)
+        // The last time reached may not be among the steps yet.
+        && (!old_times.contains(&loaded.path.time) || times.contains(&loaded.path.time));
     if !goes_on {
         return Err(again(format!(
-            "load.pressure_kpa leaves out a pressure that was reached; it may only change beyond {} kPa",
-            loaded.path.time
+            "{} leaves out what was reached; it may only change beyond {}",
+            if study.problem.clock == Clock::Pressure { "load.pressure_kpa" } else { "load.times" },
+            study.problem.clock.words(loaded.path.time)
         )));
     }
     Ok(Start::From(Box::new((loaded.recorded, loaded.path))))
@@ -109,23 +113,40 @@ pub fn load(folder: &OutputFolder, case: &Case) -> Result<Start, InputError> {
 
 /// Whether a run may go on with another value of a key: how the rest of the path is followed.
 fn may_change(key: &str) -> bool {
-    key == "load.pressure_kpa" || key.starts_with("solver.")
+    key == "load.pressure_kpa" || key == "load.times" || key.starts_with("solver.")
 }
 
-/// The pressures that `summary.json` has results of, kPa.
+/// The times that a case asks for, as far as it names them.
+fn times_of(case: &toml::Table) -> Vec<f64> {
+    let load = case.get("load").and_then(Value::as_table);
+    let list = load.and_then(|load| load.get("pressure_kpa").or_else(|| load.get("times"))).and_then(Value::as_array);
+    list.into_iter().flatten().filter_map(Value::as_float).collect()
+}
+
+/// Files of the body that are not the copies of an earlier run.
+fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String)> {
+    let same = |name: &str, bytes: &[u8]| folder.read(&format!("{INPUT}/{name}")).is_some_and(|old| old == bytes);
+    let is_same = (files.bytes.is_empty() || same(&files.name, &files.bytes))
+        && files.included.iter().enumerate().all(|(i, (_, bytes))| same(&included_name(i), bytes));
+    (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
+}
+
+/// The times that `summary.json` has results of.
 fn landed_on(folder: &OutputFolder) -> Vec<f64> {
     let summary: serde_json::Value =
         serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
     let steps = summary["steps"].as_array().map(Vec::as_slice).unwrap_or_default();
-    steps.iter().filter(|step| step["converged"] == true).filter_map(|step| step["pressure_kpa"].as_f64()).collect()
+    steps
+        .iter()
+        .filter(|step| step["converged"] == true)
+        .filter_map(|step| step["time"].as_f64().or_else(|| step["pressure_kpa"].as_f64()))
+        .collect()
 }
 
 /// Keys of which two cases have different values, each with what it was and is.
-fn changes(old: &Case, new: &Case) -> Vec<(String, String)> {
+fn changes(old: &toml::Table, new: &toml::Table) -> Vec<(String, String)> {
     let mut found = Vec::new();
-    if let (Ok(old), Ok(new)) = (Value::try_from(old), Value::try_from(new)) {
-        compare(Some(&old), Some(&new), "", &mut found);
-    }
+    compare(Some(&Value::Table(old.clone())), Some(&Value::Table(new.clone())), "", &mut found);
     found
 }
 
@@ -146,16 +167,18 @@ fn compare(old: Option<&Value>, new: Option<&Value>, key: &str, found: &mut Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex_model::Case;
 
     #[test]
     fn changes_of_a_case_are_named() {
         let text = crate::new::text(crate::args::CaseKind::TwoChamber);
         let old: Case = toml::from_str(&text).unwrap();
-        assert_eq!(changes(&old, &old.clone()), []);
+        let table = |case: &Case| toml::Table::try_from(case).unwrap();
+        assert_eq!(changes(&table(&old), &table(&old)), []);
         let mut new = old.clone();
         new.material.law = pneuflex_model::Law::Yeoh { c10: 1.0, c20: 0.03053, c30: -0.000_401_3 };
         new.title = "other".into();
-        let found = changes(&old, &new);
+        let found = changes(&table(&old), &table(&new));
         let keys: Vec<_> = found.iter().map(|(key, _)| key.as_str()).collect();
         assert_eq!(keys, ["material.c10", "title"]);
         assert!(found[0].1.ends_with("and is 1.0"), "{}", found[0].1);

@@ -6,6 +6,8 @@ use pneuflex_post::stress::recover;
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
+use crate::study::{Description, Study};
+
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.1;
 
@@ -47,6 +49,9 @@ pub struct Warning {
     /// First requested pressure at which it holds, kPa; left out if it holds for the whole run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_kpa: Option<f64>,
+    /// The same as a time, for models.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
     /// What is to be known.
     pub message: String,
     /// What to do about it.
@@ -139,16 +144,20 @@ fn material_gives_way(problem: &Problem, displacement: &[f64]) -> Option<String>
 }
 
 /// What to be careful about in the results of a case at the pressures landed on.
-pub fn warnings(case: &Case, steps: &[&StepSummary]) -> Vec<Warning> {
+pub fn warnings(study: &Study, steps: &[&StepSummary]) -> Vec<Warning> {
     let mut found = Vec::new();
     let mut add = |kind, at: Option<&StepSummary>, message: String, advice: &str| {
-        found.push(Warning { kind, pressure_kpa: at.map(|step| step.pressure_kpa), message, advice: advice.into() });
+        let time = at.and_then(|step| step.time);
+        let pressure_kpa = at.filter(|step| step.time.is_none()).map(|step| step.pressure_kpa);
+        found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
     };
+    let when = |step: &StepSummary| study.problem.clock.words(step.time.unwrap_or(step.pressure_kpa));
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
-        add(WarningKind::MaterialLimit, Some(first), format!("at {} kPa {message}", worst.pressure_kpa), advice);
+        add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
     }
+    let Description::Actuator(case) = &study.description else { return found };
     let thinnest = case.actuator.thinnest_wall();
     let is_deep = |step: &StepSummary| step.contact.max_penetration_mm > PENETRATION_SHARE * thinnest;
     if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
@@ -165,7 +174,9 @@ pub fn warnings(case: &Case, steps: &[&StepSummary]) -> Vec<Warning> {
         };
         add(WarningKind::Penetration, Some(first), message, &advice);
     }
-    if let (Some(first), _) = first_and_last(steps, |step| step.end_face_angle_deg.abs() > 360.0) {
+    if let (Some(first), _) =
+        first_and_last(steps, |step| step.end_face_angle_deg.is_some_and(|angle| angle.abs() > 360.0))
+    {
         let message = "the body has curled through more than a full turn; contact is modelled between neighbouring chambers only, other \
                        parts may overlap";
         add(WarningKind::Overlap, Some(first), message.into(), "look at the shape before relying on it");
@@ -243,7 +254,12 @@ mod tests {
 
     #[test]
     fn meshes_are_warned_about() {
-        let kinds = |change: &str| -> Vec<_> { warnings(&case(change), &[]).into_iter().map(|w| w.kind).collect() };
+        let kinds = |change: &str| -> Vec<_> {
+            let case = case(change);
+            let problem = Problem::from_case(&case).unwrap();
+            let study = Study::of_actuator(std::path::Path::new("case.toml"), case, problem);
+            warnings(&study, &[]).into_iter().map(|w| w.kind).collect()
+        };
         assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);
         assert_eq!(kinds("resolution = \"standard\""), []);
         assert_eq!(kinds("size = 2.0\nelement = \"hex8-q1p0\""), [WarningKind::CoarseMesh]);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::InputError;
+use crate::study::{INCLUDED, INPUT};
 use crate::view::REPORT;
 
 /// First words of a resolved case file, by which an output folder is recognised.
@@ -87,7 +88,10 @@ impl OutputFolder {
     }
 
     fn remove_results(&self) -> io::Result<()> {
-        let fields = self.path.join("fields");
+        let [fields, input] = ["fields", INPUT].map(|folder| self.path.join(folder));
+        if input.join(INCLUDED).is_file() {
+            fs::remove_dir_all(&input)?;
+        }
         let mut old: Vec<PathBuf> = RESULTS.map(|f| self.path.join(f)).into();
         old.push(fields.join("series.pvd"));
         if fields.is_dir() {

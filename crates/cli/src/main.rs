@@ -1,6 +1,7 @@
 //! The `pneuflex` command line program: the only crate that touches files, clock and terminal.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
+//! * [`study`]: what is to be solved, from whichever kind of file.
 //! * [`case_file`], [`repair`], [`error`], [`suggest`]: reading case files, and messages about them.
 //! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
@@ -32,6 +33,7 @@ mod recorder;
 mod repair;
 mod rod;
 mod run;
+mod study;
 mod suggest;
 mod view;
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pneuflex_mesh::{ElementKind, MeshSize};
+use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
 use pneuflex_model::Case;
 
 use crate::error::InputError;
@@ -33,9 +33,13 @@ impl Estimate {
 
     /// The same for other element sizes than the case's own.
     pub fn of_size(case: &Case, size: &MeshSize) -> Self {
-        let kind = case.mesh.formulation().element_kind();
-        let cells = case.actuator.estimate_cells(size);
-        let per_chamber = cells / case.actuator.chambers as f64;
+        Self::of_actuator(&case.actuator, case.mesh.formulation().element_kind(), size)
+    }
+
+    /// Estimates an actuator's mesh.
+    pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize) -> Self {
+        let cells = actuator.estimate_cells(size);
+        let per_chamber = cells / actuator.chambers as f64;
         let (inside, surface) = match kind {
             ElementKind::Hex8 => (1.0, 5.8),
             ElementKind::Hex20 => (4.0, 17.3),
@@ -43,14 +47,20 @@ impl Estimate {
         };
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
         let elements = cells * kind.elements_per_cell() as f64;
-        let grid = GRID_BYTES * case.actuator.estimate_grid(size);
-        Self { elements, unknowns, bytes: bytes(kind, case.actuator.chambers, unknowns) + grid }
+        let grid = GRID_BYTES * actuator.estimate_grid(size);
+        Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
     }
 
     /// Estimates a case whose mesh has the given numbers of elements and unknowns.
     pub fn of_mesh(case: &Case, elements: usize, unknowns: usize) -> Self {
         let bytes = bytes(case.mesh.formulation().element_kind(), case.actuator.chambers, unknowns as f64);
         Self { elements: elements as f64, unknowns: unknowns as f64, bytes }
+    }
+
+    /// Estimates a body of any shape that is meshed already: as if it were one chamber.
+    pub fn of_body(mesh: &Mesh) -> Self {
+        let unknowns = 3.0 * mesh.num_nodes() as f64;
+        Self { elements: mesh.num_elements() as f64, unknowns, bytes: bytes(mesh.kind, 1, unknowns) }
     }
 
     /// Refuses a case that needs more memory than there is, unless `force`d.

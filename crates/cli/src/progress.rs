@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use pneuflex_model::Clock;
 use pneuflex_newton::{Cause, IterationRecord};
 use pneuflex_post::summary::StepSummary;
 
@@ -13,10 +14,13 @@ use crate::error::say;
 pub struct Progress {
     output: Output,
     began: Instant,
-    last_kpa: f64,
-    final_kpa: f64,
-    /// Pressure aimed at by the step under way.
-    aim_kpa: f64,
+    clock: Clock,
+    /// Time that this run began at, reached last, and goes on to.
+    start: f64,
+    last: f64,
+    end: f64,
+    /// Time aimed at by the step under way.
+    aim: f64,
     is_rejected: bool,
 }
 
@@ -30,8 +34,8 @@ enum Output {
 const LENGTH: u64 = 1000;
 
 impl Progress {
-    /// Progress towards `final_kpa`.
-    pub fn new(quiet: bool, final_kpa: f64) -> Self {
+    /// Progress from `start` to `end`, in the path's time.
+    pub fn new(quiet: bool, clock: Clock, [start, end]: [f64; 2]) -> Self {
         let output = if quiet {
             Output::Quiet
         } else if io::stderr().is_terminal() {
@@ -44,7 +48,7 @@ impl Progress {
         } else {
             Output::Lines
         };
-        Self { output, began: Instant::now(), last_kpa: 0.0, final_kpa, aim_kpa: 0.0, is_rejected: false }
+        Self { output, began: Instant::now(), clock, start, last: start, end, aim: start, is_rejected: false }
     }
 
     /// Prints a line.
@@ -57,18 +61,19 @@ impl Progress {
     }
 
     /// A load step begins.
-    pub fn step_started(&mut self, step: usize, pressure_kpa: f64) {
+    pub fn step_started(&mut self, step: usize, time: f64) {
         // A new step after one that was not rejected: that one was accepted.
         if !self.is_rejected {
-            self.last_kpa = self.aim_kpa;
+            self.last = self.aim;
         }
-        (self.aim_kpa, self.is_rejected) = (pressure_kpa, false);
+        (self.aim, self.is_rejected) = (time, false);
+        let aim = self.clock.words(time);
         match &self.output {
             Output::Bar(bar) => {
-                bar.set_position((LENGTH as f64 * self.last_kpa / self.final_kpa) as u64);
-                bar.set_message(format!("step {step} to {pressure_kpa:.4} kPa"));
+                bar.set_position((LENGTH as f64 * self.last / self.end) as u64);
+                bar.set_message(format!("step {step} to {aim}"));
             }
-            _ => self.line(&format!("step {step} to {pressure_kpa:.4} kPa")),
+            _ => self.line(&format!("step {step} to {aim}")),
         }
     }
 
@@ -82,7 +87,7 @@ impl Progress {
         match &self.output {
             Output::Bar(bar) => {
                 let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
-                bar.set_message(format!("step {} to {:.3} kPa, {text}{left}", record.step, record.time));
+                bar.set_message(format!("step {} to {}, {text}{left}", record.step, self.clock.words(record.time)));
             }
             _ => self.line(&format!("  {text}")),
         }
@@ -96,13 +101,15 @@ impl Progress {
 
     /// A requested pressure is reached.
     pub fn landed(&mut self, summary: &StepSummary) {
-        let StepSummary { pressure_kpa, iterations, contact, .. } = summary;
-        self.last_kpa = *pressure_kpa;
+        let StepSummary { time, pressure_kpa, iterations, contact, .. } = summary;
+        self.last = time.unwrap_or(*pressure_kpa);
         let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
+        let at = self.clock.words(self.last);
+        let angle =
+            summary.end_face_angle_deg.map(|deg| format!("end face turned by {deg:.2} deg, ")).unwrap_or_default();
         self.line(&format!(
-            "{pressure_kpa} kPa reached in {iterations} iterations: end face turned by {:.2} deg, {} contact points, \
-             penetration {:.4} mm{left}",
-            summary.end_face_angle_deg, contact.points_active, contact.max_penetration_mm
+            "{at} reached in {iterations} iterations: {angle}{} contact points, penetration {:.4} mm{left}",
+            contact.points_active, contact.max_penetration_mm
         ));
         if let Some(warning) = &summary.warning {
             self.line(&format!("  warning: {warning}"));
@@ -116,11 +123,11 @@ impl Progress {
         }
     }
 
-    /// Time left if every kPa takes as long as those so far.
+    /// Time left if what is left of the path takes as long as what was gone of it so far.
     fn time_left(&self) -> Option<String> {
-        let kpa = self.last_kpa;
-        let left = self.began.elapsed().as_secs_f64() * (self.final_kpa - kpa) / kpa;
-        (kpa > 0.0 && kpa < self.final_kpa).then(|| duration(left))
+        let (gone, left) = (self.last - self.start, self.end - self.last);
+        let seconds = self.began.elapsed().as_secs_f64() * left / gone;
+        (gone > 0.0 && left > 0.0).then(|| duration(seconds))
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Write;
 use std::time::Instant;
 
-use pneuflex_model::{Case, Problem};
+use pneuflex_model::Clock;
 use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, LandedState, PathReport, Timing};
 use pneuflex_post::summary::{ProbeSite, State, StepSummary, describe, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
@@ -15,6 +15,7 @@ use crate::checkpoint::{self, Recorded};
 use crate::diagnosis::{Reason, Warning, warnings};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
+use crate::study::{Description, Files, INCLUDED, INPUT, Study, included_name};
 
 /// `summary.json`. Its keys are a contract: later versions add to them.
 #[derive(Debug, Serialize)]
@@ -60,6 +61,16 @@ enum Step {
     Failed { pressure_kpa: f64, converged: bool, iterations: usize },
 }
 
+/// A line of `history.jsonl`.
+#[derive(Debug, Serialize)]
+struct Line<'a> {
+    #[serde(flatten)]
+    record: &'a IterationRecord,
+    /// The time of an actuator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure_kpa: Option<f64>,
+}
+
 #[derive(Debug, Default, Serialize)]
 struct RunTiming {
     #[serde(flatten)]
@@ -73,8 +84,7 @@ pub struct Recorder<'a> {
     folder: OutputFolder,
     history: File,
     history_bytes: u64,
-    case: &'a Case,
-    problem: &'a Problem,
+    study: &'a Study,
     summary: Summary,
     series: Vec<SeriesEntry>,
     began: Instant,
@@ -90,38 +100,41 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn new(folder: OutputFolder, case: &'a Case, problem: &'a Problem, recorded: Recorded) -> Result<Self, String> {
+    pub fn new(folder: OutputFolder, study: &'a Study, recorded: Recorded) -> Result<Self, String> {
+        let problem = &study.problem;
         let mesh = MeshSummary {
             nodes: problem.mesh.num_nodes(),
             elements: problem.mesh.num_elements(),
             unknowns: problem.num_unknowns(),
-            element: case.mesh.formulation().name(),
+            element: problem.formulation.name(),
         };
         let summary = Summary {
             program: "pneuflex",
             version: env!("CARGO_PKG_VERSION"),
-            title: case.title.clone(),
+            title: study.title.clone(),
             status: Status::Running,
             failure: None,
             failure_reason: None,
             warnings: Vec::new(),
             mesh,
-            probes: probe_sites(&problem.mesh, &case.probes),
+            probes: probe_sites(&problem.mesh, &study.probes),
             steps: Vec::new(),
             iterations_total: 0,
             timing: RunTiming { output_s: recorded.output_s, ..RunTiming::default() },
         };
-        let resolved = toml::to_string(&case.resolved()).map_err(|e| format!("case.toml: {e}"))?;
+        let resolved = study.resolved().map_err(|e| format!("case.toml: {e}"))?;
         let header = format!("{CASE_MARK} {}: the case as it was solved, with every default\n\n", summary.version);
         folder.write("case.toml", header + &resolved)?;
+        if let Description::Model(_, files) = &study.description {
+            store_input(&folder, files)?;
+        }
         let history = folder.append("history.jsonl", recorded.history_bytes)?;
         let length = history.metadata().map_err(|e| folder.cannot_write("history.jsonl", &e))?.len();
         let mut recorder = Self {
             folder,
             history,
             history_bytes: recorded.history_bytes.min(length),
-            case,
-            problem,
+            study,
             summary,
             series: Vec::new(),
             began: Instant::now(),
@@ -153,7 +166,8 @@ impl<'a> Recorder<'a> {
         let is_new = usize::from(record.new_tangent);
         self.summary.iterations_total += is_new;
         self.open_iterations += is_new;
-        let written = json::line(record).and_then(|line| {
+        let pressure_kpa = (self.study.problem.clock == Clock::Pressure).then_some(record.time);
+        let written = json::line(&Line { record, pressure_kpa }).and_then(|line| {
             self.history_bytes += line.len() as u64;
             self.history.write_all(line.as_bytes()).map_err(|e| self.folder.cannot_write("history.jsonl", &e))
         });
@@ -208,16 +222,18 @@ impl<'a> Recorder<'a> {
 
     fn write_step(&mut self, landed: &LandedState) -> Result<(), String> {
         let state = State {
-            pressure_kpa: landed.time,
+            time: landed.time,
+            cavity_pressures: &landed.cavity_pressures,
             displacement: &landed.displacement,
             reaction: &landed.reaction,
             iterations: landed.iterations,
             load_steps: landed.load_steps,
         };
-        let at = |e: pneuflex_post::PostError| format!("results at {} kPa: {e}", landed.time);
-        let described = describe(self.problem, &self.summary.probes, &state).map_err(at)?;
-        if self.case.output.fields {
-            let (body, walls) = described.field_files(self.problem, &state).map_err(at)?;
+        let clock = self.study.problem.clock;
+        let at = |e: pneuflex_post::PostError| format!("results at {}: {e}", clock.words(landed.time));
+        let described = describe(&self.study.problem, &self.summary.probes, &state).map_err(at)?;
+        if self.study.fields {
+            let (body, walls) = described.field_files(&self.study.problem, &state).map_err(at)?;
             let number = self.summary.steps.len() + 1;
             for (name, text) in [("step", Some(body)), ("contact", walls)] {
                 if let Some(text) = text {
@@ -247,7 +263,7 @@ impl<'a> Recorder<'a> {
         self.summary.timing.path = report.timing;
         self.summary.iterations_total = report.iterations;
         let reached = self.summary.steps.len();
-        let missed = self.case.load.pressure_kpa.get(reached).copied();
+        let missed = self.study.times.get(reached).copied();
         // A path that was stopped because of an error has not been interrupted by anybody.
         self.summary.failure = match (&self.error, failure, missed) {
             (Some(error), _, _) => Some(error.clone()),
@@ -255,7 +271,9 @@ impl<'a> Recorder<'a> {
                 Some(reason) => format!("not converged: {}", reason.message),
                 None => failure.to_string(),
             }),
-            (None, None, Some(pressure)) => Some(format!("{pressure} kPa was not reached")),
+            (None, None, Some(pressure)) => {
+                Some(format!("{} was not reached", self.study.problem.clock.words(pressure)))
+            }
             (None, None, None) => None,
         };
         self.summary.failure_reason = reason;
@@ -280,7 +298,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_summary(&mut self) -> Result<(), String> {
-        let warnings = warnings(self.case, &self.landed_steps().collect::<Vec<_>>());
+        let warnings = warnings(self.study, &self.landed_steps().collect::<Vec<_>>());
         self.summary.warnings = warnings;
         let text = json::pretty(&self.summary).map_err(|e| format!("summary.json: {e}"))?;
         self.folder.write("summary.json", text)
@@ -291,4 +309,16 @@ impl<'a> Recorder<'a> {
             self.error.get_or_insert(error);
         }
     }
+}
+
+/// Copies the files of a body, by which the results can be shown later.
+fn store_input(folder: &OutputFolder, files: &Files) -> Result<(), String> {
+    if !files.bytes.is_empty() {
+        folder.write(&format!("{INPUT}/{}", files.name), &files.bytes)?;
+    }
+    for (number, (_, bytes)) in files.included.iter().enumerate() {
+        folder.write(&format!("{INPUT}/{}", included_name(number)), bytes)?;
+    }
+    let names: Vec<&str> = files.included.iter().map(|(name, _)| name.as_str()).collect();
+    folder.write(&format!("{INPUT}/{INCLUDED}"), json::pretty(&names).map_err(|e| format!("{INCLUDED}: {e}"))?)
 }

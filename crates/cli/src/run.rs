@@ -6,15 +6,15 @@ use pneuflex_model::{Problem, Solver};
 use pneuflex_newton::{Cause, Checkpoint, Event, Failure, Path, PathReport, Stability, Timing};
 
 use crate::args::RunArguments;
-use crate::case_file::CaseFile;
 use crate::checkpoint::{self, Recorded, Start};
 use crate::diagnosis::explain;
 use crate::error::{self, CliError, InputError};
 use crate::folder::OutputFolder;
 use crate::interrupt;
-use crate::memory::{Estimate, thousands};
+use crate::memory::thousands;
 use crate::progress::{Progress, duration};
 use crate::recorder::Recorder;
+use crate::study::{Description, Study};
 use crate::view;
 
 /// How a run ended.
@@ -53,13 +53,11 @@ fn report_or_warn(folder: &OutputFolder, progress: &mut Progress) {
 /// # Errors
 /// Bad input, found before anything is solved or written; results that cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
-    let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
-    let warning = Estimate::of(&file.case).guard(arguments.solve.force)?;
+    let study = Study::load(&arguments.case.case, &arguments.case.set, arguments.solve.force)?;
     use_threads(arguments.solve.threads)?;
-    let default = || PathBuf::from("out").join(file.stem());
+    let default = || PathBuf::from("out").join(study.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
-    let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
-    let start = if arguments.resume { checkpoint::load(&folder, &file.case)? } else { Start::AtRest };
+    let start = if arguments.resume { checkpoint::load(&folder, &study)? } else { Start::AtRest };
     let (recorded, from) = match start {
         Start::Complete => {
             error::say(&format!("{}: the run is complete, nothing is left to do", folder.path().display()));
@@ -71,19 +69,21 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             (Recorded::default(), None)
         }
     };
-    let pressures = &file.case.load.pressure_kpa;
-    let mut progress = Progress::new(arguments.solve.quiet, pressures.last().copied().unwrap_or(0.0));
-    if let Some(warning) = warning {
-        progress.line(&format!("warning: {warning}"));
+    let problem = &study.problem;
+    let begin = from.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
+    let end = study.times.last().copied().unwrap_or(0.0);
+    let mut progress = Progress::new(arguments.solve.quiet, problem.clock, [begin, end]);
+    for note in &study.notes {
+        progress.line(note);
     }
     let mesh = &problem.mesh;
     let size = [mesh.num_nodes(), mesh.num_elements(), problem.num_unknowns()].map(|n| thousands(n as u64));
     progress.line(&format!(
         "{}: {} nodes, {} elements {}, {} unknowns; results go to {}",
-        file.path().display(),
+        study.path.display(),
         size[0],
         size[1],
-        file.case.mesh.formulation(),
+        problem.formulation,
         size[2],
         folder.path().display()
     ));
@@ -93,13 +93,13 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         None => {}
     }
 
-    let remaining = pressures.get(recorded.steps.len()..).unwrap_or_default();
-    let mut recorder = Recorder::new(folder, &file.case, &problem, recorded).map_err(CliError::Output)?;
+    let remaining = study.times.get(recorded.steps.len()..).unwrap_or_default();
+    let mut recorder = Recorder::new(folder, &study, recorded).map_err(CliError::Output)?;
     let mut last_equilibrium = match &from {
         Some(checkpoint) => checkpoint.displacement.as_flattened().to_vec(),
         None => vec![0.0; problem.num_dofs()],
     };
-    let result = follow(&problem, remaining, &file.case.solver, from, &mut |event| {
+    let result = follow(problem, remaining, &study.solver, from, &mut |event| {
         match event {
             Event::StepStarted { step, time } => progress.step_started(step, time),
             Event::Iteration(record) => {
@@ -123,12 +123,12 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     });
     progress.finish();
     let folder = recorder.folder().path().to_owned();
-    let reason = result.as_ref().err().and_then(|ended| explain(&problem, &ended.0, &last_equilibrium));
+    let reason = result.as_ref().err().and_then(|ended| explain(problem, &ended.0, &last_equilibrium));
     let advice = reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice)).unwrap_or_default();
     let failure = recorder.finish(&result, reason).map_err(CliError::Output)?;
     let is_interrupted = matches!(&result, Err(ended) if ended.0.cause == Cause::Interrupted);
     let report = result.unwrap_or_else(|ended| ended.1);
-    if !arguments.no_report {
+    if !arguments.no_report && matches!(study.description, Description::Actuator(_)) {
         report_or_warn(recorder.folder(), &mut progress);
     }
     if let Some(failure) = failure {

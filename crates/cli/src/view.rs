@@ -10,7 +10,7 @@ use pneuflex_report::summary::Summary;
 use pneuflex_report::{Report, render};
 
 use crate::args::ViewArguments;
-use crate::case_file::CaseFile;
+use crate::case_file::{CaseFile, is_model};
 use crate::error::{CliError, InputError, say};
 use crate::folder::OutputFolder;
 use crate::memory::Estimate;
@@ -48,6 +48,11 @@ pub fn write_report(folder: &OutputFolder) -> Result<PathBuf, CliError> {
 fn page(folder: &Path) -> Result<String, CliError> {
     let summary = read_summary(folder)?;
     let case_path = folder.join("case.toml");
+    if is_model(&case_path) {
+        return Err(
+            InputError::file(folder, "there are no reports of models yet; open fields/series.pvd in ParaView").into()
+        );
+    }
     let file = CaseFile::load(&case_path, &[])?;
     // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.
     let (expected, found) = (Estimate::of(&file.case).unknowns / 3.0, summary.mesh.nodes as f64);

@@ -302,6 +302,16 @@ impl Formulation {
         }
     }
 
+    /// The formulation of bodies that come with elements of a family: free of locking.
+    pub const fn of_kind(kind: ElementKind) -> Self {
+        match kind {
+            ElementKind::Hex8 => Self::Hex8Q1p0,
+            ElementKind::Hex20 => Self::Hex20,
+            ElementKind::Hex27 => Self::Hex27,
+            ElementKind::Tet10 => Self::Tet10,
+        }
+    }
+
     /// Part of the bulk modulus, MPa, that resists fluctuations of J within an element; the rest resists its mean. Zero but
     /// for the tetrahedron, whose constant pressure leaves three quadratic motions without energy otherwise
     /// (`pneuflex-assembly`, formulations).

@@ -2,6 +2,7 @@
 //!
 //! * [`case`]: what a user writes in a case file, with defaults and range checks.
 //! * [`material`]: hyperelastic laws and their constants.
+//! * [`model_file`]: the same for bodies of any shape, from mesh files and decks.
 //! * [`load`]: what acts on a body, as functions of time.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
@@ -11,6 +12,7 @@
 pub mod case;
 pub mod load;
 pub mod material;
+pub mod model_file;
 pub mod problem;
 mod written;
 

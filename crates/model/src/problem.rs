@@ -47,9 +47,13 @@ pub enum Clock {
 impl Clock {
     /// A time in words, e.g. `35 kPa`.
     pub fn words(self, time: f64) -> String {
+        let digits = |count: usize| {
+            let text = format!("{time:.count$}");
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        };
         match self {
-            Self::Pressure => format!("{time:.4} kPa"),
-            Self::Steps => format!("time {time:.6}"),
+            Self::Pressure => format!("{} kPa", digits(4)),
+            Self::Steps => format!("time {}", digits(6)),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers that describe a deformed body as a whole.
 
 use pneuflex_mesh::quadrature;
-use pneuflex_model::Problem;
+use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
 use crate::surface::Patch;
@@ -103,6 +103,25 @@ pub fn cavity_volume(problem: &Problem, displacement: &[f64]) -> Result<f64, Pos
         }
     }
     Ok(-sum / 3.0)
+}
+
+/// Volume of a cavity, mm³, or of what planes of symmetry leave of it; `None` if it is open (see [`Problem::cavity_plane`]).
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[f64]) -> Result<Option<f64>, PostError> {
+    check("displacement", displacement, problem.num_dofs())?;
+    let Ok(plane_y) = problem.cavity_plane(cavity) else { return Ok(None) };
+    let rule = quadrature::face(problem.mesh.face_kind());
+    let mut sum = 0.0;
+    for &facet in &cavity.facets {
+        let patch = Patch::new(&problem.mesh, facet, Some(displacement));
+        for &(xi, weight) in &rule {
+            let point = patch.at(xi);
+            sum -= weight * (point.position[1] - plane_y) * point.area_vector[1];
+        }
+    }
+    Ok(Some(sum))
 }
 
 /// Sum of the reactions over the nodes of the named support, N; zero if there is none of that name.

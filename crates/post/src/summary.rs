@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Probe, Problem};
+use pneuflex_model::{Cavity, Clock, MPA_PER_KPA, Probe, Problem, Support};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
@@ -13,8 +13,10 @@ use crate::{contact, fields, measures, penetration, stress, vtu};
 /// An equilibrium to be described.
 #[derive(Clone, Copy, Debug)]
 pub struct State<'a> {
-    /// Air pressure, kPa.
-    pub pressure_kpa: f64,
+    /// Time of the path: the air pressure in kPa for actuators.
+    pub time: f64,
+    /// Pressure in every cavity, MPa.
+    pub cavity_pressures: &'a [f64],
     /// Displacements, mm, three per node.
     pub displacement: &'a [f64],
     /// Support reactions, N, three per node.
@@ -28,7 +30,10 @@ pub struct State<'a> {
 /// One landed pressure. The names of the fields are the keys of `summary.json`, a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepSummary {
-    /// Air pressure, kPa.
+    /// Time, for models with a schedule; left out for actuators.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Air pressure, kPa; that of the first cavity of a model, 0 if it has none.
     pub pressure_kpa: f64,
     /// Whether equilibrium was reached.
     pub converged: bool,
@@ -38,8 +43,9 @@ pub struct StepSummary {
     pub load_steps: usize,
     /// Displacement of every probe, mm.
     pub probes: BTreeMap<String, [f64; 3]>,
-    /// Angle of the end face, degrees, positive downwards; see [`measures::end_face_angle_deg`].
-    pub end_face_angle_deg: f64,
+    /// Angle of the end face, degrees, positive downwards; see [`measures::end_face_angle_deg`]. Left out for a body without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_face_angle_deg: Option<f64>,
     /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip.
     pub centreline: Vec<[f64; 2]>,
     /// Largest von Mises stress at an integration point, MPa.
@@ -52,8 +58,14 @@ pub struct StepSummary {
     pub contact: ContactSummary,
     /// Volume of the modelled air, mm³.
     pub cavity_volume_mm3: f64,
+    /// Every cavity of a model, by name; left out for actuators.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cavities: BTreeMap<String, CavitySummary>,
     /// Sum of the clamp's reactions, N.
     pub reaction_n: [f64; 3],
+    /// Sum of the reactions of every support of a model, N, by name; left out for actuators.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reactions: BTreeMap<String, [f64; 3]>,
     /// Strain energy of the modelled body, mJ, relative to the undeformed state; with the `full` invariant that state is
     /// not the one of least energy, and the number may be negative.
     pub strain_energy_mj: f64,
@@ -62,6 +74,16 @@ pub struct StepSummary {
     /// What to be careful about; left out if there is nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+}
+
+/// A cavity at one landed time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CavitySummary {
+    /// Pressure above the atmosphere's, kPa.
+    pub pressure_kpa: f64,
+    /// Volume of what is modelled of it, mm³; left out for an open one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume_mm3: Option<f64>,
 }
 
 /// Contact at one landed pressure.
@@ -131,13 +153,17 @@ pub fn describe(
     let contact = contact::evaluate(problem, u)?;
     let penetration = penetration::measure(problem, u)?;
     let largest = stress.largest_von_mises();
+    let is_model = problem.clock == Clock::Steps;
+    let first = state.cavity_pressures.first().map_or(0.0, |pressure| pressure / MPA_PER_KPA);
+    let has_end_face = !problem.mesh.node_set("end_face").is_empty();
     let summary = StepSummary {
-        pressure_kpa: state.pressure_kpa,
+        time: is_model.then_some(state.time),
+        pressure_kpa: if is_model { first } else { state.time },
         converged: true,
         iterations: state.iterations,
         load_steps: state.load_steps,
         probes: sites.iter().map(|(name, site)| (name.clone(), at_node(u, site.node as u32))).collect(),
-        end_face_angle_deg: measures::end_face_angle_deg(problem, u)?,
+        end_face_angle_deg: has_end_face.then(|| measures::end_face_angle_deg(problem, u)).transpose()?,
         centreline: measures::centreline(problem, u)?,
         max_von_mises_mpa: largest.map_or(0.0, |p| p.von_mises),
         max_von_mises_at: largest.map_or([0.0; 3], |p| p.position),
@@ -152,13 +178,29 @@ pub fn describe(
             min_gap_mm: penetration.min_gap_mm(),
         },
         cavity_volume_mm3: measures::cavity_volume(problem, u)?,
+        cavities: if is_model { cavities(problem, state)? } else { BTreeMap::new() },
         reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
+        reactions: if is_model { reactions(problem, state)? } else { BTreeMap::new() },
         strain_energy_mj: stress.strain_energy,
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: material_warning(problem, &stress),
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })
+}
+
+fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, CavitySummary>, PostError> {
+    let of = |(cavity, pressure): (&Cavity, &f64)| {
+        let volume_mm3 = measures::volume(problem, cavity, state.displacement)?;
+        Ok((cavity.name.clone(), CavitySummary { pressure_kpa: pressure / MPA_PER_KPA, volume_mm3 }))
+    };
+    problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
+}
+
+fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f64; 3]>, PostError> {
+    let of =
+        |support: &Support| Ok((support.name.clone(), measures::reaction(problem, state.reaction, &support.name)?));
+    problem.supports.iter().map(of).collect()
 }
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
@@ -179,7 +221,7 @@ impl Described {
     /// # Errors
     /// A list of the wrong length or a number that is not finite.
     pub fn field_files(&self, problem: &Problem, state: &State<'_>) -> Result<(String, Option<String>), PostError> {
-        let time = state.pressure_kpa;
+        let time = state.time;
         let body = fields::body(problem, state.displacement, &self.stress, time)?.to_vtu()?;
         let walls: Option<vtu::Grid> = fields::contact_walls(problem, state.displacement, &self.contact, time)?;
         Ok((body, walls.map(|grid| grid.to_vtu()).transpose()?))
@@ -198,11 +240,21 @@ mod tests {
         let probes = [Probe { name: "tip".into(), at: [18.0, 0.1, 0.0] }];
         let sites = probe_sites(&problem.mesh, &probes);
         assert!((sites["tip"].distance_mm - 0.1).abs() < 1e-12);
-        let state = State { pressure_kpa: 5.0, displacement: &zero, reaction: &zero, iterations: 3, load_steps: 1 };
+        let state = State {
+            time: 5.0,
+            cavity_pressures: &[0.005],
+            displacement: &zero,
+            reaction: &zero,
+            iterations: 3,
+            load_steps: 1,
+        };
         let described = describe(&problem, &sites, &state).unwrap();
         let summary = &described.summary;
         assert_eq!(summary.probes["tip"], [0.0; 3]);
-        assert_eq!((summary.end_face_angle_deg, summary.strain_energy_mj, summary.max_von_mises_mpa), (0.0, 0.0, 0.0));
+        assert_eq!(
+            (summary.end_face_angle_deg, summary.strain_energy_mj, summary.max_von_mises_mpa),
+            (Some(0.0), 0.0, 0.0)
+        );
         assert!((summary.contact.min_gap_mm.unwrap() - 2.0).abs() < 1e-12);
         let (body, walls) = described.field_files(&problem, &state).unwrap();
         assert!(body.contains("von_mises") && walls.unwrap().contains("contact_traction"));
@@ -218,7 +270,14 @@ mod tests {
         let problem = two_chambers(2.0);
         // Plane stretch to 8 has I₁ − 3 = 64 + 1/64 + 1 − 3, beyond the limit of 54.83.
         let u = displacement_of(&problem, |x| [7.0 * x[0], 0.0, -0.875 * x[2]]);
-        let state = State { pressure_kpa: 5.0, displacement: &u, reaction: &u, iterations: 3, load_steps: 1 };
+        let state = State {
+            time: 5.0,
+            cavity_pressures: &[0.005],
+            displacement: &u,
+            reaction: &u,
+            iterations: 3,
+            load_steps: 1,
+        };
         let summary = describe(&problem, &BTreeMap::new(), &state).unwrap().summary;
         assert!((summary.max_invariant_minus_3 - (62.0 + 1.0 / 64.0)).abs() < 1e-9);
         let warning = summary.warning.unwrap();

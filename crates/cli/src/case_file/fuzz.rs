@@ -7,6 +7,7 @@ use super::*;
 use crate::args::CaseKind;
 use crate::check;
 use crate::memory::Estimate;
+use crate::study::Study;
 use pneuflex_model::Problem;
 
 /// Elements up to which an accepted case is meshed.
@@ -52,7 +53,7 @@ fn fate(text: &str, changes: &[String]) -> Fate {
     };
     let found = problem.mesh.num_elements() as f64;
     assert!(found <= 20.0 * estimate.elements + 10.0, "{found} elements instead of {}", estimate.elements);
-    let description = check::describe(&file.case, &problem);
+    let description = check::describe(&Study::of_actuator(Path::new("fuzz.toml"), file.case, problem));
     assert!(description.contains("load") && !description.contains("NaN"), "{description}");
     Fate::Described
 }

@@ -1,0 +1,318 @@
+//! From a model file and its body to a problem.
+
+use std::collections::BTreeMap;
+
+use pneuflex_mesh::{Facet, Mesh};
+
+use super::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Series, Steps, SupportTable};
+use crate::MPA_PER_KPA;
+use crate::case::{CaseError, Contact, ContactMethod, Solver};
+use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
+use crate::problem::{Clock, ContactPair, Problem, Region, Support};
+
+/// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
+const STIFFNESS: f64 = 10.0;
+
+/// Step sizes by default, relative to the last time: first, largest, smallest.
+const STEPS: [f64; 3] = [0.1, 1.0, 1e-5];
+
+/// What is solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// The problem.
+    pub problem: Problem,
+    /// Times to land on.
+    pub times: Vec<f64>,
+    /// Solver settings.
+    pub solver: Solver,
+}
+
+impl Model {
+    /// Adds what the file says to a body; `schedule` are times and first step of the deck that it came from, if it did.
+    ///
+    /// # Errors
+    /// Every set that does not exist or is empty, and what is missing.
+    pub fn study(&self, body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
+        let mut build = Build { problem: body, errors: Vec::new(), end: 0.0 };
+        let times = match (&self.load, schedule) {
+            (Some(load), _) => load.times.clone(),
+            (None, Some((times, _))) => times.to_vec(),
+            (None, None) => {
+                build.complain(
+                    "load.times",
+                    "nothing".into(),
+                    "must be given: the body comes without a schedule".into(),
+                );
+                vec![1.0]
+            }
+        };
+        build.end = times.last().copied().unwrap_or(1.0);
+        build.problem.clock = Clock::Steps;
+        if let Some(material) = &self.material {
+            build.problem.material = material.clone();
+        }
+        for (i, region) in self.regions.iter().enumerate() {
+            build.region(i, region);
+        }
+        for (i, support) in self.supports.iter().enumerate() {
+            build.support(i, support);
+        }
+        for (i, equation) in self.equations.iter().enumerate() {
+            build.equation(i, equation);
+        }
+        if !self.cavities.is_empty() {
+            build.problem.cavities.clear();
+        }
+        for (i, cavity) in self.cavities.iter().enumerate() {
+            build.cavity(i, cavity);
+        }
+        self.add_loads(&mut build);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            build.contact(i, contact);
+        }
+        let solver = self.solver.resolved(build.end, schedule.map(|(_, first)| first));
+        if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
+    }
+
+    fn add_loads(&self, build: &mut Build) {
+        for (i, force) in self.forces.iter().enumerate() {
+            let nodes = build.nodes(&format!("force[{i}].nodes"), &force.nodes);
+            let share = 1.0 / nodes.len().max(1) as f64;
+            let curve = build.factor(force.factor.as_ref());
+            build.problem.loads.push(Load::Force { nodes, force: force.total.map(|f| share * f), curve });
+        }
+        for (i, traction) in self.tractions.iter().enumerate() {
+            let facets = build.facets(&format!("traction[{i}].faces"), &traction.faces);
+            let curve = build.factor(traction.factor.as_ref());
+            build.problem.loads.push(Load::Traction { facets, traction: traction.traction_mpa, curve });
+        }
+        for (i, pressure) in self.pressures.iter().enumerate() {
+            let facets = build.facets(&format!("pressure[{i}].faces"), &pressure.faces);
+            let curve = build.curve(&pressure.pressure_kpa, MPA_PER_KPA);
+            build.problem.loads.push(Load::Pressure { facets, curve });
+        }
+        if let Some(gravity) = &self.gravity {
+            let curve = build.factor(gravity.factor.as_ref());
+            build.problem.loads.push(Load::Gravity { elements: None, acceleration: gravity.acceleration, curve });
+            let (materials, _) = build.problem.materials();
+            if materials.iter().all(|material| material.density == 0.0) {
+                let allowed = "must be greater than 0 where there is gravity, g/cm3";
+                build.complain("material.density", "0".into(), allowed.into());
+            }
+        }
+    }
+}
+
+impl Steps {
+    fn resolved(&self, end: f64, first_of_deck: Option<f64>) -> Solver {
+        let default = Solver::default();
+        let [first, max, min] = STEPS.map(|share| share * end);
+        let max_step = self.max_step.unwrap_or(max);
+        let min_step = self.min_step.unwrap_or(min).min(max_step);
+        Solver {
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            residual_tolerance: self.residual_tolerance.unwrap_or(default.residual_tolerance),
+            max_iterations: self.max_iterations.unwrap_or(default.max_iterations),
+            first_step: self.first_step.unwrap_or(first_of_deck.map_or(first, |step| step.min(first))),
+            max_step,
+            min_step,
+        }
+    }
+}
+
+/// A problem that is being put together.
+struct Build {
+    problem: Problem,
+    errors: Vec<CaseError>,
+    /// Last time.
+    end: f64,
+}
+
+impl Build {
+    fn complain(&mut self, key: &str, value: String, allowed: String) {
+        self.errors.push(CaseError { key: key.into(), value, allowed });
+    }
+
+    fn unknown<T>(&mut self, key: &str, name: &str, what: &str, sets: Vec<String>) -> Vec<T> {
+        let known = if sets.is_empty() { "there are none".into() } else { sets.join(", ") };
+        self.complain(key, format!("{name:?}"), format!("must be {what} of the body: {known}"));
+        Vec::new()
+    }
+
+    /// The nodes of a node set, or of a surface.
+    fn nodes(&mut self, key: &str, name: &str) -> Vec<u32> {
+        let mesh = &self.problem.mesh;
+        if let Some((_, nodes)) = named(&mesh.node_sets, name).filter(|(_, nodes)| !nodes.is_empty()) {
+            return nodes.clone();
+        }
+        if let Some((_, facets)) = named(&mesh.facet_sets, name).filter(|(_, facets)| !facets.is_empty()) {
+            let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            return nodes;
+        }
+        let sets = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).cloned().collect();
+        self.unknown(key, name, "a node set or a surface", sets)
+    }
+
+    fn facets(&mut self, key: &str, name: &str) -> Vec<Facet> {
+        let mesh = &self.problem.mesh;
+        match named(&mesh.facet_sets, name).filter(|(_, facets)| !facets.is_empty()) {
+            Some((_, facets)) => facets.clone(),
+            None => {
+                let sets = mesh.facet_sets.keys().cloned().collect();
+                self.unknown(key, name, "a surface", sets)
+            }
+        }
+    }
+
+    fn curve(&self, series: &Series, unit: f64) -> Curve {
+        match series {
+            Series::End(value) => Curve::Table(vec![[0.0, 0.0], [self.end, unit * value]]),
+            Series::Points(points) => Curve::Table(points.iter().map(|[t, value]| [*t, unit * value]).collect()),
+        }
+    }
+
+    fn factor(&self, series: Option<&Series>) -> Curve {
+        self.curve(series.unwrap_or(&Series::End(1.0)), 1.0)
+    }
+
+    fn region(&mut self, number: usize, table: &RegionTable) {
+        let mesh = &self.problem.mesh;
+        let elements: Vec<u32> = match (&table.elements, table.within) {
+            (Some(name), _) => match named(&mesh.element_sets, name).filter(|(_, elements)| !elements.is_empty()) {
+                Some((_, elements)) => elements.clone(),
+                None => {
+                    let sets = mesh.element_sets.keys().cloned().collect();
+                    self.unknown(&format!("region[{number}].elements"), name, "an element set", sets)
+                }
+            },
+            (None, Some(corners)) => {
+                let elements = elements_within(mesh, corners);
+                if elements.is_empty() {
+                    let allowed = "must hold the centre of an element".into();
+                    self.complain(&format!("region[{number}].box"), format!("{corners:?}"), allowed);
+                }
+                elements
+            }
+            (None, None) => Vec::new(),
+        };
+        for earlier in &mut self.problem.regions {
+            earlier.elements.retain(|element| elements.binary_search(element).is_err());
+        }
+        self.problem.regions.push(Region { name: table.name.clone(), elements, material: table.material.clone() });
+    }
+
+    fn support(&mut self, number: usize, table: &SupportTable) {
+        let nodes = self.nodes(&format!("support[{number}].nodes"), &table.nodes);
+        let axes = ['x', 'y', 'z'].map(|axis| table.axes.contains(axis));
+        let motion =
+            table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
+        self.problem.supports.push(Support { name: table.nodes.clone(), nodes, axes, motion });
+    }
+
+    fn equation(&mut self, number: usize, table: &EquationTable) {
+        let key = |term: usize| format!("equation[{number}].terms[{term}]");
+        let sets: Vec<Vec<u32>> =
+            table.terms.iter().enumerate().map(|(j, (name, ..))| self.nodes(&key(j), name)).collect();
+        let count = sets.iter().map(Vec::len).max().unwrap_or(0);
+        for (j, set) in sets.iter().enumerate() {
+            if ![0, 1, count].contains(&set.len()) {
+                let allowed = format!("must have one node, or {count} as the largest set of the equation");
+                self.complain(&key(j), format!("{} with {} nodes", table.terms[j].0, set.len()), allowed);
+            }
+        }
+        if !self.errors.is_empty() {
+            return;
+        }
+        let value = table.value.as_ref().map_or(Curve::ZERO, |series| self.curve(series, 1.0));
+        for row in 0..count {
+            let term = |(set, (_, axis, coefficient)): (&Vec<u32>, &(String, String, f64))| {
+                let axis = "xyz".find(axis.as_str()).unwrap_or(0) as u8;
+                (set[row.min(set.len() - 1)], axis, *coefficient)
+            };
+            let mut sums: BTreeMap<(u32, u8), f64> = BTreeMap::new();
+            for (node, axis, coefficient) in sets.iter().zip(&table.terms).map(term) {
+                *sums.entry((node, axis)).or_default() += coefficient;
+            }
+            // A node that is tied to itself says nothing.
+            let terms: Vec<_> =
+                sums.into_iter().filter(|(_, c)| *c != 0.0).map(|((node, axis), c)| (node, axis, c)).collect();
+            if !terms.is_empty() {
+                self.problem.equations.push(LinearEquation { terms, value: value.clone() });
+            }
+        }
+    }
+
+    fn cavity(&mut self, number: usize, table: &CavityTable) {
+        let facets = self.facets(&format!("cavity[{number}].faces"), &table.faces);
+        let control = match (&table.pressure_kpa, &table.volume_mm3, &table.gas) {
+            (Some(pressure), _, _) => Control::Pressure(self.curve(pressure, MPA_PER_KPA)),
+            (_, Some(volume), _) => Control::Volume(self.curve(volume, 1.0)),
+            (_, _, Some(Series::End(amount))) => {
+                // From what fills it at rest.
+                self.gas(table, Curve::Table(vec![[0.0, 1.0], [self.end, *amount]]))
+            }
+            (_, _, Some(points)) => self.gas(table, self.curve(points, 1.0)),
+            (None, None, None) => Control::Pressure(Curve::ZERO),
+        };
+        let cavity = Cavity { name: table.name.clone(), facets, control };
+        let is_open = match cavity.control {
+            Control::Pressure(_) => None,
+            _ => self.problem.cavity_plane(&cavity).err(),
+        };
+        if let Some(error) = is_open.filter(|_| self.errors.is_empty()) {
+            self.complain(&format!("cavity[{number}].faces"), format!("{:?}", table.faces), error.to_string());
+        }
+        self.problem.cavities.push(cavity);
+    }
+
+    fn gas(&self, table: &CavityTable, amount: Curve) -> Control {
+        Control::Gas(Gas { atmosphere: MPA_PER_KPA * table.atmosphere_kpa, exponent: table.exponent, amount })
+    }
+
+    fn contact(&mut self, number: usize, table: &ContactTable) {
+        let slave = self.facets(&format!("contact[{number}].slave"), &table.slave);
+        let master = self.facets(&format!("contact[{number}].master"), &table.master);
+        let stiffness = table.stiffness.unwrap_or_else(|| self.stiffness(&slave));
+        if self.problem.contact.method == ContactMethod::None {
+            self.problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness };
+        }
+        let name = format!("{}-{}", table.slave, table.master);
+        self.problem.contact_pairs.push(ContactPair { name, slave, master });
+    }
+
+    fn stiffness(&self, slave: &[Facet]) -> f64 {
+        let mesh = &self.problem.mesh;
+        let size = |facet: &Facet| {
+            let nodes = mesh.facet_nodes(*facet);
+            let [a, b] = [nodes[0], nodes[1]].map(|node| mesh.nodes[node as usize]);
+            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+        };
+        let mean = slave.iter().map(size).sum::<f64>() / slave.len().max(1) as f64;
+        let (materials, of_element) = self.problem.materials();
+        let softest = slave
+            .iter()
+            .map(|facet| materials[usize::from(of_element[facet.element as usize])].shear_modulus())
+            .fold(f64::INFINITY, f64::min);
+        if mean > 0.0 && softest.is_finite() { STIFFNESS * softest / mean } else { 1.0 }
+    }
+}
+
+/// Names of sets are found whatever the case of their letters, exact ones first: decks know none.
+fn named<'a, T>(sets: &'a BTreeMap<String, Vec<T>>, name: &str) -> Option<(&'a String, &'a Vec<T>)> {
+    sets.get_key_value(name).or_else(|| sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)))
+}
+
+/// Elements whose mean corner lies between two corners of a box.
+fn elements_within(mesh: &Mesh, [low, high]: [[f64; 3]; 2]) -> Vec<u32> {
+    let corners = mesh.kind.num_corners();
+    let is_within = |element: &u32| {
+        let nodes = &mesh.element(*element as usize)[..corners];
+        (0..3).all(|k| {
+            let centre = nodes.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners as f64;
+            (low[k].min(high[k])..=low[k].max(high[k])).contains(&centre)
+        })
+    };
+    (0..mesh.num_elements() as u32).filter(is_within).collect()
+}

@@ -1,0 +1,143 @@
+//! Range checks of a model file that need no mesh.
+
+use super::{Model, Series};
+use crate::case::{CaseError, Problems};
+
+impl Model {
+    /// Every key whose value is out of range, table by table.
+    pub fn problems(&self) -> Vec<CaseError> {
+        let mut found = Problems::default();
+        if self.model.is_some() == self.actuator.is_some() {
+            let allowed = "must be there once: [model] with a file, or [actuator]";
+            found.add("model", &self.model.as_ref().map(|source| &source.file), allowed);
+        }
+        if let Some(source) = &self.model {
+            found.unless_positive("model.scale", source.scale, " mm");
+        }
+        found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
+        found.0.extend(self.material.iter().flat_map(|material| material.problems("material")));
+        for (i, region) in self.regions.iter().enumerate() {
+            found.0.extend(region.material.problems(&format!("region[{i}].material")));
+            if region.elements.is_some() == region.within.is_some() {
+                let allowed = "must be there once: elements with the name of an element set, or box with two corners";
+                found.add(&format!("region[{i}].elements"), &region.elements, allowed);
+            }
+            if let Some(corners) = region.within {
+                finite(&mut found, &format!("region[{i}].box"), corners.as_flattened());
+            }
+        }
+        for (i, support) in self.supports.iter().enumerate() {
+            let key = format!("support[{i}]");
+            let is_axis = |c: char| "xyz".contains(c);
+            if support.axes.is_empty() || !support.axes.chars().all(is_axis) {
+                found.add(&format!("{key}.axes"), &support.axes, "must be letters out of x, y and z");
+            }
+            finite(&mut found, &format!("{key}.displacement"), &support.displacement.unwrap_or_default());
+            series(&mut found, &format!("{key}.factor"), support.factor.as_ref());
+        }
+        for (i, equation) in self.equations.iter().enumerate() {
+            for (j, (_, axis, coefficient)) in equation.terms.iter().enumerate() {
+                let key = format!("equation[{i}].terms[{j}]");
+                if !["x", "y", "z"].contains(&axis.as_str()) {
+                    found.add(&key, axis, "the second entry must be \"x\", \"y\" or \"z\"");
+                }
+                if !coefficient.is_finite() || *coefficient == 0.0 {
+                    found.add(&key, coefficient, "the third entry must be a finite number other than 0");
+                }
+            }
+            if equation.terms.is_empty() {
+                found.add(&format!("equation[{i}].terms"), &equation.terms, "must not be empty");
+            }
+            series(&mut found, &format!("equation[{i}].value"), equation.value.as_ref());
+        }
+        self.check_loads(&mut found);
+        self.check_times(&mut found);
+        found.0
+    }
+
+    fn check_loads(&self, found: &mut Problems) {
+        for (i, cavity) in self.cavities.iter().enumerate() {
+            let key = |name: &str| format!("cavity[{i}].{name}");
+            let given = [&cavity.pressure_kpa, &cavity.volume_mm3, &cavity.gas];
+            if given.iter().filter(|series| series.is_some()).count() != 1 {
+                let allowed = "must be there once: pressure_kpa, volume_mm3 or gas";
+                found.add(&key("pressure_kpa"), &cavity.pressure_kpa, allowed);
+            }
+            for (name, values) in ["pressure_kpa", "volume_mm3", "gas"].into_iter().zip(given) {
+                series(found, &key(name), values.as_ref());
+            }
+            found.unless_positive(&key("atmosphere_kpa"), cavity.atmosphere_kpa, " kPa");
+            if !(1.0..=2.0).contains(&cavity.exponent) {
+                found.add(&key("exponent"), &cavity.exponent, "must be from 1 to 2");
+            }
+        }
+        for (i, force) in self.forces.iter().enumerate() {
+            finite(found, &format!("force[{i}].total"), &force.total);
+            series(found, &format!("force[{i}].factor"), force.factor.as_ref());
+        }
+        for (i, traction) in self.tractions.iter().enumerate() {
+            finite(found, &format!("traction[{i}].traction_mpa"), &traction.traction_mpa);
+            series(found, &format!("traction[{i}].factor"), traction.factor.as_ref());
+        }
+        for (i, pressure) in self.pressures.iter().enumerate() {
+            series(found, &format!("pressure[{i}].pressure_kpa"), Some(&pressure.pressure_kpa));
+        }
+        if let Some(gravity) = &self.gravity {
+            finite(found, "gravity.acceleration", &gravity.acceleration);
+            series(found, "gravity.factor", gravity.factor.as_ref());
+        }
+        for (i, contact) in self.contacts.iter().enumerate() {
+            if let Some(stiffness) = contact.stiffness {
+                found.unless_positive(&format!("contact[{i}].stiffness"), stiffness, " N/mm3");
+            }
+        }
+    }
+
+    fn check_times(&self, found: &mut Problems) {
+        if let Some(load) = &self.load {
+            let increasing = load.times.windows(2).all(|w| w[0] < w[1]);
+            let positive = load.times.iter().all(|time| time.is_finite() && *time > 0.0);
+            if load.times.is_empty() || !positive || !increasing {
+                let allowed = "must be a non-empty, strictly increasing list of finite times greater than 0";
+                found.add("load.times", &load.times, allowed);
+            }
+        }
+        let solver = &self.solver;
+        for (key, value) in [
+            ("solver.tolerance", solver.tolerance),
+            ("solver.residual_tolerance", solver.residual_tolerance),
+            ("solver.first_step", solver.first_step),
+            ("solver.max_step", solver.max_step),
+            ("solver.min_step", solver.min_step),
+        ] {
+            if let Some(value) = value {
+                found.unless_positive(key, value, "");
+            }
+        }
+        if solver.max_step.zip(solver.min_step).is_some_and(|(max, min)| max < min) {
+            found.add("solver.max_step", &solver.max_step, "must not be below solver.min_step");
+        }
+        if let Some(count) = solver.max_iterations.filter(|count| !(2..=1000).contains(count)) {
+            found.add("solver.max_iterations", &count, "must be from 2 to 1000");
+        }
+    }
+}
+
+fn finite(found: &mut Problems, key: &str, values: &[f64]) {
+    if !values.iter().all(|x| x.is_finite()) {
+        found.add(key, &values, "must be finite numbers");
+    }
+}
+
+fn series(found: &mut Problems, key: &str, series: Option<&Series>) {
+    match series {
+        Some(Series::End(value)) => finite(found, key, &[*value]),
+        Some(Series::Points(points)) => {
+            let increasing = points.windows(2).all(|w| w[0][0] < w[1][0]);
+            if points.is_empty() || !increasing || !points.as_flattened().iter().all(|x| x.is_finite()) {
+                found.add(key, points, "must be finite points [time, value] in the order of time");
+            }
+        }
+        None => {}
+    }
+}
