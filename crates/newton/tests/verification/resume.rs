@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pneuflex_model::{ContactMethod, Formulation, Invariant, Problem, Solver};
+use pneuflex_model::{Clock, ContactMethod, Control, Curve, Formulation, Invariant, Problem, Solver};
 use pneuflex_newton::{Cause, Checkpoint, Event, LandedState, Path, ResumeError};
 
 use crate::fixtures::{coarse_chambers, difference};
@@ -55,6 +55,38 @@ fn every_checkpoint_leads_to_the_same_end() {
             assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
             assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
         }
+    }
+}
+
+/// The pressures that a pumped volume needs are among what a checkpoint holds.
+#[test]
+fn checkpoints_hold_the_unknowns_beside_the_displacements() {
+    let mut problem = problem();
+    problem.cavities[0].control = Control::Volume(Curve::Proportional(100.0));
+    problem.clock = Clock::Steps;
+    let settings = Solver { first_step: 0.1, max_step: 0.2, min_step: 1e-3, ..Solver::default() };
+    let follow = |checkpoint: Option<Checkpoint>| {
+        let mut checkpoints = Vec::new();
+        let mut observer = |event: Event<'_>| {
+            if let Event::StepAccepted(checkpoint) = event {
+                checkpoints.push(checkpoint.clone());
+            }
+        };
+        let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+        if let Some(checkpoint) = checkpoint {
+            path.resume(checkpoint).unwrap();
+        }
+        let landed = path.advance_to(1.0).unwrap();
+        (landed, checkpoints)
+    };
+    let (expected, checkpoints) = follow(None);
+    assert!(expected.cavity_pressures[0] > 0.005 && expected.contact_points > 0, "{:?}", expected.cavity_pressures);
+    assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.border.len() == 1));
+    for checkpoint in checkpoints {
+        let (landed, _) = follow(Some(checkpoint));
+        let u = difference(&landed.displacement, &expected.displacement);
+        let pressure = landed.cavity_pressures[0] / expected.cavity_pressures[0] - 1.0;
+        assert!(u < 1e-10 && pressure.abs() < 1e-10, "{u:.1e}, {pressure:.1e}");
     }
 }
 
