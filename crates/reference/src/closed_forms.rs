@@ -64,7 +64,7 @@ fn uniaxial_stress(m: &Material, stretch: f64) -> f64 {
             Invariant::Isochoric => (j.powf(-2.0 / 3.0), a - i1 / (3.0 * a)),
         };
         let e = scale * i1 - 3.0;
-        let [c10, c20, c30] = crate::energy::constants(m);
+        let [c10, c20, c30] = m.law.reduced_polynomial().unwrap();
         let slope = c10 + 2.0 * c20 * e + 3.0 * c30 * e * e;
         2.0 * slope * scale * direction + m.bulk_modulus * (j - 1.0) * b * c
     };

@@ -30,6 +30,7 @@ pub mod quadrature;
 pub mod shape;
 pub mod solid;
 pub mod solver;
+mod tensor_function;
 
 #[cfg(test)]
 mod chambers;

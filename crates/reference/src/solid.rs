@@ -18,32 +18,39 @@
 //!
 //! Π is quadratic in p. Its stationary value is the primal energy: with θᵢ = Σ w ψᵢ (J − 1) and Mᵢⱼ = Σ w ψᵢ ψⱼ it is
 //! p = κ M⁻¹ θ and Σ φ + ½ κ θᵀ M⁻¹ θ, that is ½ κ (J_C − 1)² Vₑ for `hex8-sri` and ½ κ (J̄ − 1)² Vₑ for `hex8-q1p0`.
-//! For `tet10`, a part κ_f = min(2 C₁₀, κ/2) of κ is taken out of the p² term and put at the deviatoric points as
+//! Where a material's volumetric energy U(J) is not quadratic, Π has another field j, the change of volume in the space of the
+//! pressures (Simo, Taylor & Pister 1985, *Comput. Methods Appl. Mech. Engrg.* 51): its volumetric terms are
+//! w [ U(1 + j) + p (J − 1 − j) ] with j = Σ ψᵢ jᵢ, and the primal energy is Σ φ + Σ w U(1 + Σ ψᵢ (M⁻¹ θ)ᵢ). The coefficients
+//! jᵢ of an element stand behind its pressures.
+//!
+//! For `tet10`, a part κ_f = min(μ, κ/2) of κ is taken out of the p² term and put at the deviatoric points as
 //! ½ κ_f (J − 1)²; the primal energy is then ½ κ (J̄ − 1)² Vₑ + ½ κ_f Σ w (J − J̄)².
 //! The derivatives of the primal energy follow by eliminating p from those of Π, exactly.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
-use pneuflex_model::{Formulation, Material, Problem};
+use pneuflex_model::{Formulation, Material, Problem, Volumetric};
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term};
-use crate::energy::{deviatoric, gradient_from, jacobian};
+use crate::energy::{deviatoric, gradient_from, jacobian, volumetric};
 use crate::error::ReferenceError;
 use crate::quadrature;
 use crate::shape::ShapeFunctions;
 
-/// One integration point's share of Π; v holds G row by row, then p.
+/// One integration point's share of Π; v holds G row by row, then p and j.
 #[derive(Clone, Debug)]
 struct SaddlePoint {
     material: Material,
     fluctuation_modulus: f64,
+    // Whether j is a field of its own.
+    has_own_dilatation: bool,
     // Weights of the two parts of Π at this point, mm³.
     deviatoric: f64,
     volumetric: f64,
 }
 
-impl Energy<10> for SaddlePoint {
-    fn energy<D: Dual>(&self, v: &[D; 10]) -> D {
-        let (g, p) = (gradient_from(v), v[9]);
+impl Energy<11> for SaddlePoint {
+    fn energy<D: Dual>(&self, v: &[D; 11]) -> D {
+        let (g, p, j) = (gradient_from(v), v[9], v[10]);
         let mut energy = D::from(0.0);
         if self.deviatoric > 0.0 {
             energy += deviatoric(&self.material, &g) * self.deviatoric;
@@ -51,8 +58,12 @@ impl Energy<10> for SaddlePoint {
             energy += dilatation * dilatation * (0.5 * self.fluctuation_modulus * self.deviatoric);
         }
         if self.volumetric > 0.0 {
-            let complementary = p * p / (2.0 * (self.material.bulk_modulus - self.fluctuation_modulus));
-            energy += (p * (jacobian(&g) - 1.0) - complementary) * self.volumetric;
+            let kappa = self.material.bulk_modulus - self.fluctuation_modulus;
+            energy += if self.has_own_dilatation {
+                (volumetric(self.material.volumetric, j) * kappa + p * (jacobian(&g) - 1.0 - j)) * self.volumetric
+            } else {
+                (p * (jacobian(&g) - 1.0) - p * p / (2.0 * kappa)) * self.volumetric
+            };
         }
         energy
     }
@@ -63,7 +74,7 @@ struct Element {
     // Displacements of the element's nodes, three each.
     dofs: Vec<usize>,
     // In local numbering: displacements first, then pressures.
-    terms: Vec<Term<10, SaddlePoint>>,
+    terms: Vec<Term<11, SaddlePoint>>,
 }
 
 /// A point of an element's rule: reference coordinates, weight, deviatoric?, volumetric?
@@ -93,10 +104,13 @@ impl SolidModel {
             Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
             Formulation::Hex20 | Formulation::Hex27 => 4,
         };
+        let (materials, material_of) = problem.materials();
+        let has_own_dilatation = materials.iter().any(|material| material.volumetric != Volumetric::Quadratic);
+        let fields = Fields { modes: pressures_per_element, has_own_dilatation };
         let elements = (0..problem.mesh.num_elements())
-            .map(|e| build_element(problem, e, &shape, pressures_per_element))
+            .map(|e| build_element(problem, e, materials[usize::from(material_of[e])], &shape, fields))
             .collect::<Result<_, _>>()?;
-        Ok(Self { num_dofs: problem.num_dofs(), pressures_per_element, elements })
+        Ok(Self { num_dofs: problem.num_dofs(), pressures_per_element: fields.number(), elements })
     }
 
     /// Number of displacements, three per node.
@@ -104,7 +118,7 @@ impl SolidModel {
         self.num_dofs
     }
 
-    /// Number of pressures: 1 per hex8 and tet10, 4 per hex20 and hex27.
+    /// Number of pressures: 1 per hex8 and tet10, 4 per hex20 and hex27; twice as many with the coefficients of j.
     pub fn num_pressures(&self) -> usize {
         self.pressures_per_element * self.elements.len()
     }
@@ -124,7 +138,8 @@ impl SolidModel {
         self.condensed_hessian(u, &self.pressures(u))
     }
 
-    /// Stationary pressures p = κ M⁻¹ θ of every element, MPa, element by element.
+    /// Stationary pressures of every element, MPa, element by element: p = κ M⁻¹ θ; if j is a field, p = M⁻¹ Σ w ψ U′ followed
+    /// by j = M⁻¹ θ.
     pub fn pressures(&self, u: &[f64]) -> Vec<f64> {
         (0..self.elements.len()).flat_map(|e| self.element_pressures(e, u)).collect()
     }
@@ -173,14 +188,19 @@ impl SolidModel {
 
     /// Stationary pressures of element `e`, MPa.
     pub fn element_pressures(&self, e: usize, u: &[f64]) -> Vec<f64> {
-        let zero = vec![0.0; self.pressures_per_element];
-        let split = self.elements[e].dofs.len();
-        // Π is quadratic in p: one Newton step from p = 0 is exact.
-        let defect = self.element_saddle_gradient(e, u, &zero).rows(split, zero.len()).into_owned();
-        let curvature = self.element_saddle_hessian(e, u, &zero);
-        let curvature = curvature.view((split, split), (zero.len(), zero.len())).into_owned();
-        let step = curvature.lu().solve(&-defect).expect("M is positive definite");
-        step.iter().copied().collect()
+        let (split, number) = (self.elements[e].dofs.len(), self.pressures_per_element);
+        let mut pressures = vec![0.0; number];
+        // Π is quadratic in p: one Newton step from p = 0 is exact. With j, which enters ∂Π/∂p linearly, a first step finds j, a
+        // second p.
+        let has_own_dilatation = self.elements[e].terms.iter().any(|term| term.energy.has_own_dilatation);
+        for _ in 0..if has_own_dilatation { 3 } else { 1 } {
+            let defect = self.element_saddle_gradient(e, u, &pressures).rows(split, number).into_owned();
+            let curvature = self.element_saddle_hessian(e, u, &pressures);
+            let curvature = curvature.view((split, split), (number, number)).into_owned();
+            let step = curvature.lu().solve(&-defect).expect("M is positive definite");
+            pressures.iter_mut().zip(step.iter()).for_each(|(p, change)| *p += change);
+        }
+        pressures
     }
 
     /// Primal internal forces of element `e` at the displacements `u` of the whole mesh, N; three per node of the element.
@@ -241,6 +261,21 @@ impl SolidModel {
     }
 }
 
+/// Fields of an element beside its displacements.
+#[derive(Clone, Copy, Debug)]
+struct Fields {
+    /// Coefficients of the pressure.
+    modes: usize,
+    /// Whether j is there, too.
+    has_own_dilatation: bool,
+}
+
+impl Fields {
+    fn number(self) -> usize {
+        if self.has_own_dilatation { 2 * self.modes } else { self.modes }
+    }
+}
+
 fn scatter(local: &DMatrix<f64>, dofs: &[usize], global: &mut DMatrix<f64>) {
     for (j, &column) in dofs.iter().enumerate() {
         for (i, &row) in dofs.iter().enumerate() {
@@ -252,8 +287,9 @@ fn scatter(local: &DMatrix<f64>, dofs: &[usize], global: &mut DMatrix<f64>) {
 fn build_element(
     problem: &Problem,
     e: usize,
+    material: &Material,
     shape: &ShapeFunctions<3>,
-    pressures: usize,
+    fields: Fields,
 ) -> Result<Element, ReferenceError> {
     let nodes = problem.mesh.element(e);
     let positions: Vec<[f64; 3]> = nodes.iter().map(|&n| problem.mesh.nodes[n as usize]).collect();
@@ -273,7 +309,7 @@ fn build_element(
         let inverse = jacobian.try_inverse().filter(|_| determinant > 0.0);
         let inverse = inverse.ok_or(ReferenceError::InvertedElement { element: e, jacobian: determinant })?;
         // Gᵢⱼ = δᵢⱼ + Σₐ uₐᵢ ∂Nₐ/∂Xⱼ and p = Σ ψₖ pₖ.
-        let mut matrix = DMatrix::zeros(10, 3 * nodes.len() + pressures);
+        let mut matrix = DMatrix::zeros(11, 3 * nodes.len() + fields.number());
         for (a, gradient) in gradients.iter().enumerate() {
             for j in 0..3 {
                 let slope: f64 = (0..3).map(|k| gradient[k] * inverse[(k, j)]).sum();
@@ -283,18 +319,22 @@ fn build_element(
             }
         }
         let psi = [1.0, xi[0], xi[1], xi[2]];
-        for (k, &value) in psi[..pressures].iter().enumerate() {
+        for (k, &value) in psi[..fields.modes].iter().enumerate() {
             matrix[(9, 3 * nodes.len() + k)] = value;
+            if fields.has_own_dilatation {
+                matrix[(10, 3 * nodes.len() + fields.modes + k)] = value;
+            }
         }
-        let offset = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let offset = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
         let w =
             if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume() } else { weight * determinant };
         let energy = SaddlePoint {
-            material: problem.material.clone(),
+            material: material.clone(),
             fluctuation_modulus: match problem.formulation {
-                Formulation::Tet10 => problem.material.shear_modulus().min(0.5 * problem.material.bulk_modulus),
+                Formulation::Tet10 => material.shear_modulus().min(0.5 * material.bulk_modulus),
                 _ => 0.0,
             },
+            has_own_dilatation: fields.has_own_dilatation,
             deviatoric: if is_deviatoric { w } else { 0.0 },
             volumetric: if is_volumetric { w } else { 0.0 },
         };
@@ -343,11 +383,13 @@ mod tests {
 
     #[test]
     fn derivatives_of_the_saddle_energy() {
-        for formulation in FORMULATIONS {
+        let logarithmic = Material { volumetric: Volumetric::Logarithmic, ..material(Invariant::Isochoric) };
+        let materials = [material(Invariant::Isochoric), logarithmic];
+        for (formulation, material) in FORMULATIONS.into_iter().flat_map(|f| materials.clone().map(|m| (f, m))) {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
-            let model = SolidModel::new(&body(mesh, formulation, material(Invariant::Isochoric))).unwrap();
+            let model = SolidModel::new(&body(mesh, formulation, material)).unwrap();
             let n = model.num_dofs();
-            let x = [noise(n, 0.04), noise(model.num_pressures(), 1.0)].concat();
+            let x = [noise(n, 0.04), noise(model.num_pressures(), 0.3)].concat();
             check_derivatives(
                 |x| model.saddle_energy(&x[..n], &x[n..]),
                 |x| model.saddle_gradient(&x[..n], &x[n..]),
