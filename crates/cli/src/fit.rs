@@ -17,8 +17,9 @@ use pneuflex_calibration::law::Law;
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
+use pneuflex_model::Material;
 pub use report::significant;
-use report::{FileNote, FitFile, MaterialNote, TestNote};
+use report::{FileNote, FitFile, TestNote};
 
 use crate::error::{CliError, InputError, Place, say};
 use crate::folder::OutputFolder;
@@ -178,8 +179,13 @@ fn why_no_constants(law: Law, fits: &[LawFit], not_fitted: &[NotFitted]) -> (Str
         };
         return (failure.to_string(), help);
     }
-    let c10 = fits.iter().find(|f| f.law == law).map_or(f64::NAN, |f| f.constants[0].value);
-    let reason = format!("{}: its c10 = {} MPa is not greater than 0", law.name(), significant(c10));
+    let value =
+        |i: usize| fits.iter().find(|f| f.law == law).and_then(|f| f.constants.get(i)).map_or(f64::NAN, |c| c.value);
+    let (key, half_shear_modulus) = match law {
+        Law::MooneyRivlin => ("c10 + c01", value(0) + value(1)),
+        Law::Yeoh | Law::NeoHookean => ("c10", value(0)),
+    };
+    let reason = format!("{}: its {key} = {} MPa is not greater than 0", law.name(), significant(half_shear_modulus));
     (reason, "fit another range with --from and --to, or add --stable")
 }
 
@@ -199,22 +205,30 @@ fn chosen(arguments: &FitArguments) -> Law {
     match arguments.law {
         LawArgument::Yeoh => Law::Yeoh,
         LawArgument::NeoHookean => Law::NeoHookean,
+        LawArgument::MooneyRivlin => Law::MooneyRivlin,
     }
 }
 
 /// The chosen law as a case file has it; `None` if the solver would refuse it.
-fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<MaterialNote>, InputError> {
+fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<Material>, InputError> {
     let law = chosen(arguments);
-    let found = fits.iter().find(|f| f.law == law && f.constants[0].value > 0.0);
-    // The options are checked whether or not there is something to use them for.
-    let bulk_modulus = arguments.bulk_modulus(found.map_or(1.0, |f| f.shear_modulus_mpa))?;
-    Ok(found.map(|fit| {
+    let of_fit = |fit: &LawFit| {
         let value = |i: usize| fit.constants.get(i).map_or(0.0, |c| c.value);
-        MaterialNote { c10: value(0), c20: value(1), c30: value(2), bulk_modulus }
-    }))
+        Material::from(match law {
+            Law::Yeoh => pneuflex_model::Law::Yeoh { c10: value(0), c20: value(1), c30: value(2) },
+            Law::NeoHookean => pneuflex_model::Law::NeoHooke { c10: value(0) },
+            Law::MooneyRivlin => {
+                pneuflex_model::Law::Polynomial { c10: value(0), c01: value(1), c20: 0.0, c11: 0.0, c02: 0.0 }
+            }
+        })
+    };
+    let found = fits.iter().find(|f| f.law == law).map(of_fit).filter(|m| m.problems("material").is_empty());
+    // The options are checked whether or not there is something to use them for.
+    let bulk_modulus = arguments.bulk_modulus(found.as_ref().map_or(1.0, Material::shear_modulus))?;
+    Ok(found.map(|material| Material { bulk_modulus, ..material }))
 }
 
-fn snippet_of(arguments: &FitArguments, material: &MaterialNote, fits: &[LawFit], tests: &[Prepared]) -> String {
+fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], tests: &[Prepared]) -> String {
     let law = chosen(arguments);
     let mut comments = Vec::new();
     for fit in fits.iter().filter(|f| f.law == law) {
@@ -231,9 +245,10 @@ fn snippet_of(arguments: &FitArguments, material: &MaterialNote, fits: &[LawFit]
             comments.push("  NOT STABLE over this range; see pneuflex fit --stable".into());
         }
     }
-    let ratio = material.bulk_modulus / (2.0 * material.c10);
-    let bulk = format!("{ratio:.0} times the initial shear modulus 2 c10; no result of these tests");
-    snippet::material(&comments, [material.c10, material.c20, material.c30], material.bulk_modulus, &bulk)
+    let ratio = material.bulk_modulus / material.shear_modulus();
+    let words = snippet::shear_modulus_in_words(&material.law);
+    let bulk = format!("{ratio:.0} times the initial shear modulus {words}; no result of these tests");
+    snippet::material(&comments, &material.law, material.bulk_modulus, &bulk)
 }
 
 fn print(

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 use pneuflex_calibration::library::{ENTRIES, Entry, find, identifier};
+use pneuflex_model::Law;
 
 use crate::error::{CliError, InputError};
 use crate::fit::{significant, snippet};
@@ -92,10 +93,11 @@ fn table(index: usize) -> String {
         comments.push(format!("other sets: {}", others.join(", ")));
     }
     comments.push(WARNING.into());
-    let shear_modulus = 2.0 * entry.constants[0];
+    let [c10, c20, c30] = entry.constants;
+    let law = Law::Yeoh { c10, c20, c30 };
     let (bulk, comment) = match entry.bulk_modulus {
         Some(bulk) => (bulk, "as in the source".to_owned()),
-        None => (snippet::BULK_RATIO * shear_modulus, "1000 times the initial shear modulus 2 c10".to_owned()),
+        None => (snippet::BULK_RATIO * law.shear_modulus(), "1000 times the initial shear modulus 2 c10".to_owned()),
     };
-    snippet::material(&comments, entry.constants, bulk, &comment)
+    snippet::material(&comments, &law, bulk, &comment)
 }

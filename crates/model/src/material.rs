@@ -193,8 +193,8 @@ impl Law {
         }
     }
 
-    /// Constants that are single numbers, by their keys.
-    fn constants(&self) -> Vec<(&'static str, f64)> {
+    /// Constants that are single numbers, MPa, by their keys; none for Ogden's lists.
+    pub fn constants(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Yeoh { c10, c20, c30 } => vec![("c10", c10), ("c20", c20), ("c30", c30)],
             Self::NeoHooke { c10 } => vec![("c10", c10)],

@@ -27,8 +27,8 @@ out, and said so. The confidence intervals suppose independent residuals, which 
 says by about how much they are too narrow.
 
 Printed and written to --out: fit.json (all numbers), fit.svg and fit.png (points and curves), material.toml (to paste into a case
-file). The bulk modulus is no result of these tests: it is set to 1000 times the initial shear modulus 2 C10 (Poisson's ratio
-0.4995) unless --bulk-ratio, --poisson or --bulk-modulus says otherwise.
+file). The bulk modulus is no result of these tests: it is set to 1000 times the initial shear modulus (Poisson's ratio 0.4995)
+unless --bulk-ratio, --poisson or --bulk-modulus says otherwise.
 
 Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 no constants that a case file could use.";
 
@@ -79,7 +79,7 @@ pub struct FitArguments {
     /// Only constants that are stable (Drucker) in every deformation up to this I1-3, by default the largest of the points
     #[arg(long, value_name = "I1-3", num_args = 0..=1, require_equals = true, default_missing_value = "data")]
     stable: Option<String>,
-    /// Law of material.toml; the solver has Yeoh, of which neo-Hookean is a part
+    /// Law of material.toml
     #[arg(long, default_value = "yeoh")]
     pub law: LawArgument,
     /// Bulk modulus over initial shear modulus [default: 1000]
@@ -126,6 +126,8 @@ pub enum LawArgument {
     Yeoh,
     /// C10 alone.
     NeoHookean,
+    /// C10 and C01.
+    MooneyRivlin,
 }
 
 impl FitArguments {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use pneuflex_calibration::fit::{Agreement, LawFit, Residuals};
 use pneuflex_calibration::law::Mode;
 use pneuflex_calibration::stability::{SEARCHED, StableRange};
+use pneuflex_model::Material;
 use serde::Serialize;
 
 use super::Prepared;
@@ -41,7 +42,7 @@ pub struct FitFile<'a> {
     pub not_fitted: Vec<String>,
     /// Constants for a case file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<MaterialNote>,
+    pub material: Option<Material>,
 }
 
 /// A file as it was understood.
@@ -76,19 +77,6 @@ impl<'a> TestNote<'a> {
             notes: &test.cleaned.notes,
         }
     }
-}
-
-/// Constants for a case file, MPa.
-#[derive(Debug, Serialize)]
-pub struct MaterialNote {
-    /// C₁₀.
-    pub c10: f64,
-    /// C₂₀.
-    pub c20: f64,
-    /// C₃₀.
-    pub c30: f64,
-    /// Bulk modulus.
-    pub bulk_modulus: f64,
 }
 
 /// What was read and left out.

@@ -1,18 +1,30 @@
 //! The `[material]` table of a case file.
 
+use pneuflex_model::Law;
+
 /// Bulk modulus over initial shear modulus unless the user says otherwise: Poisson's ratio 0.4995. Silicones are stiffer in
 /// volume by far, but soft actuators do not notice, and the solver's penalty needs no more.
 pub const BULK_RATIO: f64 = 1000.0;
 
-/// The table with its comments.
-pub fn material(comments: &[String], constants: [f64; 3], bulk_modulus: f64, bulk_comment: &str) -> String {
+/// The table of a law whose constants are single numbers, with its comments.
+pub fn material(comments: &[String], law: &Law, bulk_modulus: f64, bulk_comment: &str) -> String {
     let comments: String = comments.iter().map(|c| format!("# {}\n", c.replace(['\n', '\r'], " "))).collect();
-    let [c10, c20, c30] = constants.map(rounded);
-    let bulk_modulus = rounded(bulk_modulus);
+    let constants: String =
+        law.constants().iter().map(|(key, value)| format!("{key} = {:?}\n", rounded(*value))).collect();
+    let (name, bulk_modulus) = (law.name(), rounded(bulk_modulus));
     format!(
-        "{comments}[material]\nlaw = \"yeoh\"\nc10 = {c10:?}\nc20 = {c20:?}\nc30 = {c30:?}\n\
+        "{comments}[material]\nlaw = \"{name}\"\n{constants}\
          bulk_modulus = {bulk_modulus:?}  # {bulk_comment}\ninvariant = \"isochoric\"\n"
     )
+}
+
+/// The initial shear modulus in the constants of a law.
+pub fn shear_modulus_in_words(law: &Law) -> &'static str {
+    match law {
+        Law::Yeoh { .. } | Law::NeoHooke { .. } => "2 c10",
+        Law::Polynomial { .. } => "2 (c10 + c01)",
+        Law::Ogden { .. } => "the sum of mu",
+    }
 }
 
 /// To six significant digits.

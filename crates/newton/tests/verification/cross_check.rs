@@ -91,7 +91,10 @@ fn mooney_rivlin() -> Law {
 #[test]
 fn elements() {
     for formulation in FORMULATIONS {
-        for material in materials() {
+        // Matrix functions of dual numbers take their time: Ogden's law on elements of few points.
+        let is_large = matches!(formulation, Formulation::Hex20 | Formulation::Hex27);
+        let is_slow = |material: &Material| is_large && matches!(material.law, Law::Ogden { .. });
+        for material in materials().into_iter().filter(|material| !is_slow(material)) {
             let mesh = skewed(formulation);
             let name = format!("{formulation} {:?} {:?} {:?}", material.law, material.volumetric, material.invariant);
             let mut solid = Solid::new(&mesh, formulation, &material).unwrap();
