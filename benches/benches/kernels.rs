@@ -16,7 +16,7 @@ fn kernels(c: &mut Criterion) {
     for (formulation, size) in CASES {
         let problem = full_actuator(formulation, size);
         let u = smooth_displacement(&problem);
-        let contact = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
+        let contact = ContactModel::of(&problem);
         let touching = touching_positions(&problem);
         assert!(!contact.search(&touching).is_empty(), "nothing touches");
         let mut group = c.benchmark_group(format!("{formulation} {size} mm, {} unknowns", problem.num_unknowns()));

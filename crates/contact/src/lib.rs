@@ -1,17 +1,25 @@
-//! Frictionless penalty contact between facing surfaces (theory §5).
+//! Frictionless penalty contact between surfaces, of a surface with itself, and with rigid obstacles (theory §5).
 //!
-//! The chain of values: facets of the mesh → [`Surface`] → candidate faces by bounding boxes → closest-point
-//! [`projection`] → touching points → [`ContactBlock`]s, one per touching pair of faces, each with its energy
-//! ½ k Σ w ⟨−d⟩², force and consistent tangent ([`potential`]).
+//! The chain of values: facets of the mesh → [`Surface`] → candidate faces by bounding boxes ([`broad_phase`]) → closest-point
+//! [`projection`] → the foot that counts ([`narrow_phase`], within one body by the rules of [`own_body`]) → touching points →
+//! [`ContactBlock`]s, one per touching pair of faces or face on an [`obstacle`], each with its energy ½ k Σ w ⟨λ/k − d⟩², force and
+//! consistent tangent ([`potential`]). The multipliers λ are the solver's; they are zero for a plain penalty.
 //!
 //! This crate knows faces and positions only: nothing of solids, loads or solvers.
 
+pub mod broad_phase;
+pub mod brute_force;
+pub mod narrow_phase;
+pub mod obstacle;
+pub mod own_body;
+pub mod pass;
 pub mod potential;
 pub mod projection;
 pub mod search;
 pub mod surface;
 
+pub use pass::Pass;
 pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
-pub use search::{ContactBlock, ContactModel, ContactPoint};
+pub use search::{ContactBlock, ContactModel, ContactPoint, Partner};
 pub use surface::Surface;

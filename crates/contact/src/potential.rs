@@ -1,6 +1,6 @@
-//! Energy, force and consistent tangent of the touching points between two faces.
+//! Energy, force and consistent tangent of the touching points between two faces, or between a face and an obstacle.
 //!
-//! The energy of a point is ½ k w d². For a point that slides freely over the master (multiple-point), with
+//! The energy of a point is ½ k w g², g = d − λ/k, for all g < 0: without a multiplier λ, ½ k w ⟨−d⟩². Its traction is −k g = λ − k d. For a point that slides freely over the master (multiple-point), with
 //! `G_α = a_α·δg`, `T_α = n·δr_m,α`, metric m, curvature `b_αβ = n·r_m,αβ` and `X = (m − d b)⁻¹(G + d T)` the change of
 //! the foot, `∇d = n·δg` and
 //!
@@ -14,8 +14,9 @@
 use pneuflex_mesh::shape::{self, FaceShape};
 use pneuflex_model::ContactMethod;
 
+use crate::pass::Pass;
 use crate::projection::{FaceGeometry, cross, dot, face_geometry, sub, unit_normal};
-use crate::search::{ContactBlock, ContactModel, ContactPoint};
+use crate::search::{ContactBlock, ContactModel, ContactPoint, Partner};
 
 /// Largest number of nodes of a contact block: two nine-node faces.
 pub const MAX_NODES: usize = 18;
@@ -24,7 +25,7 @@ const MAX_DOFS: usize = 3 * MAX_NODES;
 /// What a block adds: energy (mJ), force on the nodes as the energy's gradient (N), tangent (N/mm).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockOutput {
-    /// ½ k Σ w d².
+    /// ½ k Σ w g².
     pub energy: f64,
     /// Gradient, three per node of the block.
     pub residual: Vec<f64>,
@@ -47,6 +48,7 @@ pub fn evaluate_block(
     with_tangent: bool,
 ) -> BlockOutput {
     let dofs = 3 * block.nodes.len();
+    let stiffness = model.stiffness(block.partner);
     let mut out = BlockOutput {
         energy: 0.0,
         residual: vec![0.0; dofs],
@@ -59,8 +61,8 @@ pub fn evaluate_block(
     };
     for point in &block.points {
         distance_derivatives(model, block, point, positions, &mut scratch);
-        let d = scratch.distance;
-        let factor = model.stiffness * point.area;
+        let d = scratch.distance - point.shift;
+        let factor = stiffness * point.area;
         let geometric = -point.traction * point.area;
         out.energy += 0.5 * factor * d * d;
         for i in 0..dofs {
@@ -80,7 +82,7 @@ pub fn evaluate_block(
     out
 }
 
-/// Traction that the linearised distance predicts for every touching point, MPa: ⟨−k (d + ∇d·δu)⟩, with the point's number.
+/// Traction that the linearised distance predicts for every touching point, MPa: ⟨λ − k (d + ∇d·δu)⟩, with the point's number.
 ///
 /// A solver that carries it in the tangent's geometric term (see [`ContactPoint::traction`]) survives the deep
 /// interpenetration of a first guess: the distance may be far off, what the linear system makes of it is not.
@@ -90,16 +92,17 @@ pub fn predicted_tractions(
     positions: &[[f64; 3]],
     correction: &[[f64; 3]],
 ) -> Vec<(usize, f64)> {
+    let stiffness = model.stiffness(block.partner);
     let mut scratch = DistanceDerivatives { distance: 0.0, gradient: [0.0; MAX_DOFS], hessian: Vec::new() };
     let predict = |point: &ContactPoint| {
         distance_derivatives(model, block, point, positions, &mut scratch);
-        let mut distance = scratch.distance;
+        let mut distance = scratch.distance - point.shift;
         for (i, &node) in block.nodes.iter().enumerate() {
             for k in 0..3 {
                 distance += scratch.gradient[3 * i + k] * correction[node as usize][k];
             }
         }
-        (point.number, (-model.stiffness * distance).max(0.0))
+        (point.number, (-stiffness * distance).max(0.0))
     };
     block.points.iter().map(predict).collect()
 }
@@ -122,13 +125,13 @@ struct Pairing {
 }
 
 impl Pairing {
-    fn new(model: &ContactModel, block: &ContactBlock, point: &ContactPoint, positions: &[[f64; 3]]) -> Self {
-        let (slave, master) = model.surfaces(block.pair);
+    fn new(pass: &Pass, face: usize, block: &ContactBlock, point: &ContactPoint, positions: &[[f64; 3]]) -> Self {
+        let Pass { slave, master, .. } = pass;
         let (kind, n) = (slave.kind, slave.kind.num_nodes());
         let slave_shape = shape::evaluate_face(kind, point.slave_xi);
         let shape = shape::evaluate_face(kind, point.master_xi);
         let slave_point = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &slave_shape).position;
-        let master = face_geometry(&master.face_positions(block.master_face, positions)[..n], &shape);
+        let master = face_geometry(&master.face_positions(face, positions)[..n], &shape);
         let mut coefficients = [0.0; MAX_NODES];
         for i in 0..n {
             coefficients[i] = slave_shape.values[i];
@@ -146,10 +149,44 @@ fn distance_derivatives(
     positions: &[[f64; 3]],
     out: &mut DistanceDerivatives,
 ) {
-    let pairing = Pairing::new(model, block, point, positions);
-    match model.method {
-        ContactMethod::SinglePoint => fixed_point(&pairing, out),
-        _ => sliding_point(&pairing, out),
+    match block.partner {
+        Partner::Face { pass, face } => {
+            let pass = model.pass(pass);
+            let pairing = Pairing::new(pass, face, block, point, positions);
+            match pass.method {
+                ContactMethod::SinglePoint => fixed_point(&pairing, out),
+                _ => sliding_point(&pairing, out),
+            }
+        }
+        Partner::Obstacle(number) => obstacle_point(model, number, block, point, positions, out),
+    }
+}
+
+/// Derivatives of d = φ(r_s).
+fn obstacle_point(
+    model: &ContactModel,
+    number: usize,
+    block: &ContactBlock,
+    point: &ContactPoint,
+    positions: &[[f64; 3]],
+    out: &mut DistanceDerivatives,
+) {
+    let slave = model.slave(block.partner);
+    let (n, shape) = (slave.kind.num_nodes(), shape::evaluate_face(slave.kind, point.slave_xi));
+    let position = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape).position;
+    let distance = model.distance_to_obstacle(number, position);
+    out.distance = distance.value;
+    for i in 0..3 * n {
+        out.gradient[i] = shape.values[i / 3] * distance.normal[i % 3];
+    }
+    if out.hessian.is_empty() {
+        return;
+    }
+    for i in 0..3 * n {
+        for j in 0..3 * n {
+            let weight = shape.values[i / 3] * shape.values[j / 3];
+            out.hessian[3 * n * i + j] = weight * distance.hessian[i % 3][j % 3];
+        }
     }
 }
 

@@ -1,345 +1,277 @@
-//! Which points touch which faces.
+//! Which points touch which faces and obstacles.
 
-use pneuflex_mesh::{FaceKind, Mesh, quadrature, shape};
-use pneuflex_model::{Contact, ContactMethod, ContactPair};
+use pneuflex_mesh::{Mesh, quadrature, shape};
+use pneuflex_model::{Contact, ContactMethod, ContactPair, Obstacle, Problem};
 use rayon::prelude::*;
 
-use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
-use crate::projection::{dot, sub};
+use crate::narrow_phase::{Facing, single_blocks};
+use crate::obstacle::{Distance, distance};
+use crate::pass::{Pass, bulge, point_areas};
+use crate::projection::{dot, face_geometry, sub};
 use crate::surface::Surface;
 
-/// A point of a slave face that touches a master face.
+/// Slave faces that one task looks at.
+const CHUNK: usize = 32;
+
+/// A point of a slave face that touches a master face or an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Reference coordinates on the slave face.
     pub slave_xi: [f64; 2],
     /// Reference area that the point stands for, mm².
     pub area: f64,
-    /// Reference coordinates of its foot on the master face.
+    /// Reference coordinates of its foot on the master face; not used with an obstacle.
     pub master_xi: [f64; 2],
-    /// Signed distance d < 0, mm.
+    /// Signed distance d, mm; negative is penetration.
     pub distance: f64,
+    /// λ/k, mm: the distance up to which the point's multiplier keeps it in contact; 0 for a plain penalty.
+    pub shift: f64,
     /// Number of the slave point among all points of the model, see [`ContactModel::num_points`].
     pub number: usize,
-    /// Traction in the tangent's geometric term, MPa. The search sets it to k |d|; a solver may carry another one.
+    /// Traction in the tangent's geometric term, MPa. The search sets it to ⟨λ − k d⟩; a solver may carry another one.
     pub traction: f64,
 }
 
-/// The touching points between one slave face and one master face.
+/// What a slave face touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partner {
+    /// A face of the pass's master surface.
+    Face {
+        /// Number of the pass, see [`ContactModel::pass`].
+        pass: usize,
+        /// An index into the master's facets.
+        face: usize,
+    },
+    /// The obstacle of this number.
+    Obstacle(usize),
+}
+
+/// The touching points between a slave face and one master face or obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactBlock {
-    /// Pair of surfaces.
-    pub pair: usize,
-    /// Slave face, an index into the pair's slave facets.
+    /// What is touched.
+    pub partner: Partner,
+    /// Slave face, an index into the pass's slave facets or the obstacle's facets.
     pub slave_face: usize,
-    /// Master face, an index into the pair's master facets.
-    pub master_face: usize,
     /// Nodes of the slave face, then nodes of the master face.
     pub nodes: Vec<u32>,
     /// Touching points, in the order of the rule.
     pub points: Vec<ContactPoint>,
 }
 
-/// Surfaces, law and integration rule of the contact between chambers.
+/// Surfaces, obstacles, laws and multipliers of a problem's contact.
 #[derive(Clone, Debug)]
 pub struct ContactModel {
-    /// Where contact is looked for.
-    pub method: ContactMethod,
-    /// Penalty stiffness k, N/mm³.
-    pub stiffness: f64,
-    pairs: Vec<SurfacePair>,
-    rule: Vec<([f64; 2], f64)>,
+    passes: Vec<Pass>,
+    obstacles: Vec<Rigid>,
+    /// Traction λ of every point that is there without any penetration, MPa; empty for a plain penalty.
+    multipliers: Vec<f64>,
+    rest: Vec<[f64; 3]>,
 }
 
+/// An obstacle and the faces that carry its points.
 #[derive(Clone, Debug)]
-struct SurfacePair {
-    slave: Surface,
-    master: Surface,
-    /// Reference area of every rule point of every slave face, mm².
+pub(crate) struct Rigid {
+    obstacle: Obstacle,
+    pub(crate) surface: Surface,
+    /// Where it is now, from where it was at rest, mm.
+    offset: [f64; 3],
+    rule: Vec<([f64; 2], f64)>,
     areas: Vec<f64>,
-    /// Number of the pair's first point.
     first_point: usize,
-    rest_distance: f64,
-    /// Points deeper than this behind a face are not found: the distance at rest, at least a face's size, mm.
-    reach: f64,
 }
 
 impl ContactModel {
-    /// Sets up the contact of the given pairs of facets.
+    /// Sets up the contact of a problem.
+    pub fn of(problem: &Problem) -> Self {
+        Self::new(&problem.mesh, &problem.contact_pairs, &problem.contact)
+            .with_obstacles(&problem.mesh, &problem.obstacles)
+    }
+
+    /// Sets up the contact of the given pairs of facets; `contact` is the law of those that have none of their own.
     pub fn new(mesh: &Mesh, pairs: &[ContactPair], contact: &Contact) -> Self {
-        let kind = mesh.face_kind();
-        let rule = match contact.method {
-            ContactMethod::None => Vec::new(),
-            ContactMethod::SinglePoint => vec![(kind.centre(), kind.reference_area())],
-            ContactMethod::MultiPoint => quadrature::contact_face(kind),
-        };
-        let pairs = if contact.method == ContactMethod::None { &[] } else { pairs };
-        let mut first_point = 0;
-        let pairs = pairs
-            .iter()
-            .map(|pair| {
-                let slave = Surface::new(mesh, &pair.slave);
-                let master = Surface::new(mesh, &pair.master);
-                let mut areas = Vec::with_capacity(slave.num_faces() * rule.len());
-                for face in 0..slave.num_faces() {
-                    let nodes = slave.face_positions(face, &mesh.nodes);
-                    for &(xi, weight) in &rule {
-                        let geometry = face_geometry(&nodes[..kind.num_nodes()], &shape::evaluate_face(kind, xi));
-                        areas.push(weight * unit_normal(&geometry.tangents).1);
-                    }
-                }
-                let (rest_distance, face_size) = rest_distance_and_face_size(&slave, &master, &mesh.nodes);
-                let first = first_point;
-                first_point += areas.len();
-                let reach = rest_distance.max(face_size);
-                SurfacePair { slave, master, areas, first_point: first, rest_distance, reach }
+        let mut passes: Vec<Pass> = Vec::new();
+        let mut points = 0;
+        for (number, pair) in pairs.iter().enumerate() {
+            let of_pair = Pass::all_of(mesh, number, pair, contact, points);
+            points += of_pair.iter().map(Pass::num_points).sum::<usize>();
+            passes.extend(of_pair);
+        }
+        Self { passes, obstacles: Vec::new(), multipliers: Vec::new(), rest: mesh.nodes.clone() }
+    }
+
+    /// The same with obstacles, at the places where they begin.
+    pub fn with_obstacles(mut self, mesh: &Mesh, obstacles: &[Obstacle]) -> Self {
+        for obstacle in obstacles {
+            let surface = Surface::new(mesh, &obstacle.facets);
+            let rule = quadrature::contact_face(surface.kind);
+            let areas = point_areas(&surface, &rule, &mesh.nodes, 1.0);
+            let (first_point, offset) = (self.num_points(), obstacle.offset(0.0));
+            self.obstacles.push(Rigid { obstacle: obstacle.clone(), surface, offset, rule, areas, first_point });
+        }
+        self
+    }
+
+    /// Moves the obstacles to where they are at a time.
+    pub fn set_time(&mut self, time: f64) {
+        for rigid in &mut self.obstacles {
+            rigid.offset = rigid.obstacle.offset(time);
+        }
+    }
+
+    /// Gives every point the traction λ (MPa) that it carries without any penetration: ⟨λ − k d⟩ instead of ⟨−k d⟩.
+    ///
+    /// # Panics
+    /// If there are neither none nor as many as points.
+    pub fn set_multipliers(&mut self, multipliers: Vec<f64>) {
+        assert!(multipliers.is_empty() || multipliers.len() == self.num_points(), "one multiplier per contact point");
+        self.multipliers = multipliers;
+    }
+
+    /// See [`Self::set_multipliers`].
+    pub fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    /// Positions of the mesh's nodes at rest, mm.
+    pub fn rest(&self) -> &[[f64; 3]] {
+        &self.rest
+    }
+
+    /// Surfaces whose points are projected onto others.
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// The pass of the given number.
+    pub fn pass(&self, pass: usize) -> &Pass {
+        &self.passes[pass]
+    }
+
+    /// Number of slave points of all passes and obstacles.
+    pub fn num_points(&self) -> usize {
+        match (self.obstacles.last(), self.passes.last()) {
+            (Some(rigid), _) => rigid.first_point + rigid.areas.len(),
+            (None, Some(pass)) => pass.first_point + pass.areas.len(),
+            (None, None) => 0,
+        }
+    }
+
+    /// Penalty stiffness between the faces of a block, N/mm³.
+    pub fn stiffness(&self, partner: Partner) -> f64 {
+        match partner {
+            Partner::Face { pass, .. } => self.passes[pass].stiffness,
+            Partner::Obstacle(number) => self.obstacles[number].obstacle.stiffness,
+        }
+    }
+
+    /// The surface that carries the points of a block.
+    pub fn slave(&self, partner: Partner) -> &Surface {
+        match partner {
+            Partner::Face { pass, .. } => &self.passes[pass].slave,
+            Partner::Obstacle(number) => &self.obstacles[number].surface,
+        }
+    }
+
+    /// Signed distance of a position from an obstacle where it is now.
+    pub fn distance_to_obstacle(&self, number: usize, position: [f64; 3]) -> Distance {
+        let Rigid { obstacle, offset, .. } = &self.obstacles[number];
+        distance(&obstacle.shape, *offset, position)
+    }
+
+    /// The point that an obstacle's moment refers to, where it is now.
+    pub fn reference_point(&self, number: usize) -> [f64; 3] {
+        let Rigid { obstacle, offset, .. } = &self.obstacles[number];
+        let point = obstacle.shape.reference_point();
+        std::array::from_fn(|d| point[d] + offset[d])
+    }
+
+    /// All touching points at the given node positions, grouped by faces, in a fixed order.
+    pub fn search(&self, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
+        let mut blocks = self.face_blocks(positions, |_| 0.0);
+        blocks.par_extend(self.obstacles.par_iter().enumerate().flat_map_iter(|(number, rigid)| {
+            (0..rigid.surface.num_faces()).filter_map(move |face| self.obstacle_block(number, rigid, face, positions))
+        }));
+        blocks
+    }
+
+    /// Nodes of the pairs of faces that touch or may soon touch: those for which the tangent's pattern needs room.
+    ///
+    /// A slave face belongs with a master face if one of its points, close enough to it, has its foot there.
+    pub fn near_face_pairs(&self, positions: &[[f64; 3]]) -> Vec<Vec<u32>> {
+        self.face_blocks(positions, |pass| pass.near).into_iter().map(|block| block.nodes).collect()
+    }
+
+    /// Points nearer to their foot than a margin that depends on the pass.
+    fn face_blocks(&self, positions: &[[f64; 3]], margin: impl Fn(&Pass) -> f64 + Sync) -> Vec<ContactBlock> {
+        let facing: Vec<Option<Facing<'_>>> = (self.passes.par_iter())
+            .map(|pass| match pass.method {
+                ContactMethod::MultiPoint => Facing::new(pass, &self.rest, positions, margin(pass)),
+                _ => None,
             })
             .collect();
-        Self { method: contact.method, stiffness: contact.stiffness, pairs, rule }
-    }
-
-    /// Number of pairs of surfaces; 0 when contact is switched off.
-    pub fn num_pairs(&self) -> usize {
-        self.pairs.len()
-    }
-
-    /// Number of slave points of all pairs.
-    pub fn num_points(&self) -> usize {
-        self.pairs.last().map_or(0, |pair| pair.first_point + pair.areas.len())
-    }
-
-    /// Smallest distance at rest between the surfaces of a pair, mm; 0 without pairs.
-    pub fn rest_distance(&self) -> f64 {
-        self.pairs.iter().map(|pair| pair.rest_distance).reduce(f64::min).unwrap_or(0.0)
-    }
-
-    /// The slave and the master surface of a pair.
-    pub fn surfaces(&self, pair: usize) -> (&Surface, &Surface) {
-        (&self.pairs[pair].slave, &self.pairs[pair].master)
-    }
-
-    /// All touching points at the given node positions, grouped by pair of faces, in a fixed order.
-    pub fn search(&self, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
-        (0..self.pairs.len())
-            .into_par_iter()
-            .flat_map_iter(|pair| match self.method {
-                ContactMethod::None => Vec::new(),
-                ContactMethod::SinglePoint => self.search_single(pair, positions),
-                ContactMethod::MultiPoint => self.search_multi(pair, positions),
-            })
-            .collect()
-    }
-
-    /// Nodes of the face pairs that touch or may soon touch: those for which the tangent's pattern needs room.
-    ///
-    /// A slave face belongs with a master face if one of its points, closer than `margin` (mm), has its foot there.
-    pub fn near_face_pairs(&self, positions: &[[f64; 3]], margin: f64) -> Vec<Vec<u32>> {
-        (0..self.pairs.len())
-            .into_par_iter()
-            .flat_map_iter(|pair| {
-                let blocks = match self.method {
-                    ContactMethod::None => Vec::new(),
-                    ContactMethod::SinglePoint => self.single_blocks(pair, positions, margin),
-                    ContactMethod::MultiPoint => self.multi_blocks(pair, positions, margin),
-                };
-                blocks.into_iter().map(|block| block.nodes)
-            })
-            .collect()
-    }
-
-    fn search_single(&self, pair: usize, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
-        self.single_blocks(pair, positions, 0.0)
-    }
-
-    fn search_multi(&self, pair: usize, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
-        self.multi_blocks(pair, positions, 0.0)
-    }
-
-    fn single_blocks(&self, pair: usize, positions: &[[f64; 3]], margin: f64) -> Vec<ContactBlock> {
-        let SurfacePair { slave, master, areas, first_point, .. } = &self.pairs[pair];
-        let kind = slave.kind;
-        let shape = shape::evaluate_face(kind, kind.centre());
-        let mut blocks = Vec::new();
-        for face in 0..slave.num_faces().min(master.num_faces()) {
-            let s = face_geometry(&slave.face_positions(face, positions)[..kind.num_nodes()], &shape);
-            let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
-            let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
-            if distance < margin {
-                let point = ContactPoint {
-                    slave_xi: kind.centre(),
-                    area: areas[face],
-                    master_xi: kind.centre(),
-                    distance,
-                    number: first_point + face,
-                    traction: -self.stiffness * distance,
-                };
-                blocks.push(self.block(pair, face, face, vec![point]));
+        let tasks: Vec<(usize, usize)> = (self.passes.iter().enumerate())
+            .flat_map(|(number, pass)| (0..pass.slave.num_faces()).step_by(CHUNK).map(move |face| (number, face)))
+            .collect();
+        let blocks = tasks.into_par_iter().flat_map_iter(|(number, first)| {
+            let pass = &self.passes[number];
+            let faces = first..pass.slave.num_faces().min(first + CHUNK);
+            match (pass.method, &facing[number]) {
+                (ContactMethod::SinglePoint, _) => single_blocks(self, number, faces, positions, margin(pass)),
+                (_, Some(facing)) => facing.blocks(self, number, faces),
+                (_, None) => Vec::new(),
             }
-        }
-        blocks
+        });
+        blocks.collect()
     }
 
-    fn multi_blocks(&self, pair: usize, positions: &[[f64; 3]], margin: f64) -> Vec<ContactBlock> {
-        let SurfacePair { slave, master, areas, first_point, reach, .. } = &self.pairs[pair];
-        let kind = slave.kind;
-        let shapes: Vec<_> = self.rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
-        let boxes: Vec<_> = (0..master.num_faces()).map(|face| grown_box(master, face, positions)).collect();
-        let slabs: Vec<_> = (0..master.num_faces()).map(|face| Slab::of(master, face, positions)).collect();
-        let mut blocks: Vec<ContactBlock> = Vec::new();
-        let mut candidates: Vec<(usize, [[f64; 3]; 2])> = Vec::new();
-        let mut order = Vec::new();
-        for face in 0..slave.num_faces() {
-            candidates.clear();
-            let bounds = slave.bounding_box(face, positions);
-            candidates.extend(
-                boxes
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, other)| boxes_overlap(&bounds, other, *reach))
-                    .map(|(m, b)| (m, *b)),
-            );
-            let nodes = slave.face_positions(face, positions);
-            // Far from contact, most faces are told apart without a projection.
-            if candidates.iter().all(|(m, _)| slabs[*m].is_clear(kind, &nodes[..kind.num_nodes()], margin)) {
-                continue;
-            }
-            let first_block = blocks.len();
-            for (index, (&(slave_xi, _), shape)) in self.rule.iter().zip(&shapes).enumerate() {
-                let point = face_geometry(&nodes[..kind.num_nodes()], shape).position;
-                let Some((master_face, foot)) = closest(master, &candidates, &mut order, positions, point) else {
-                    continue;
-                };
-                if foot.distance >= margin || foot.distance < -*reach {
-                    continue;
-                }
-                let number = face * self.rule.len() + index;
-                let touching = ContactPoint {
-                    slave_xi,
-                    area: areas[number],
-                    master_xi: foot.xi,
-                    distance: foot.distance,
-                    number: first_point + number,
-                    traction: -self.stiffness * foot.distance,
-                };
-                match blocks[first_block..].iter_mut().find(|block| block.master_face == master_face) {
-                    Some(block) => block.points.push(touching),
-                    None => blocks.push(self.block(pair, face, master_face, vec![touching])),
-                }
-            }
-        }
-        blocks
+    /// λ/k of a point, mm.
+    pub(crate) fn shift(&self, number: usize, stiffness: f64) -> f64 {
+        self.multipliers.get(number).map_or(0.0, |lambda| lambda / stiffness)
     }
 
-    fn block(&self, pair: usize, slave_face: usize, master_face: usize, points: Vec<ContactPoint>) -> ContactBlock {
-        let SurfacePair { slave, master, .. } = &self.pairs[pair];
-        let nodes = slave.face(slave_face).iter().chain(master.face(master_face)).copied().collect();
-        ContactBlock { pair, slave_face, master_face, nodes, points }
-    }
-}
-
-/// The half-space in front of a master face.
-struct Slab {
-    /// Unit normal at the face's centre.
-    normal: [f64; 3],
-    /// No point of the face, continued a little, lies further than this along the normal, mm.
-    front: f64,
-}
-
-impl Slab {
-    fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
+    fn obstacle_block(
+        &self,
+        number: usize,
+        rigid: &Rigid,
+        face: usize,
+        positions: &[[f64; 3]],
+    ) -> Option<ContactBlock> {
+        let Rigid { obstacle, surface, offset, rule, areas, first_point } = rigid;
         let kind = surface.kind;
-        let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
-        let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
-        let [low, high] = extent(nodes, normal);
-        Self { normal, front: high + (bulge(kind) + 2.0 * EXTENSION) * (high - low) }
-    }
-
-    /// Whether a slave face lies wholly in front, further away than `margin`: then no distance to this face is below it.
-    fn is_clear(&self, kind: FaceKind, slave: &[[f64; 3]], margin: f64) -> bool {
-        let [low, high] = extent(slave, self.normal);
-        low - bulge(kind) * (high - low) > self.front + margin
-    }
-}
-
-/// Least and largest coordinate of points along a direction.
-fn extent(points: &[[f64; 3]], direction: [f64; 3]) -> [f64; 2] {
-    points
-        .iter()
-        .map(|&x| dot(x, direction))
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
-}
-
-/// By how much of their nodes' extent faces may exceed it: half of what their shape functions' absolute values exceed 1 by.
-fn bulge(kind: FaceKind) -> f64 {
-    match kind {
-        FaceKind::Quad4 => 0.0,
-        // Σ|N| ≤ 25/16 for nine nodes, 2 for eight, 5/3 for the triangle.
-        FaceKind::Quad8 | FaceKind::Quad9 | FaceKind::Tri6 => 0.5,
-    }
-}
-
-/// The foot that counts: the nearest one inside a face; failing that, the nearest one on a slightly continued face.
-///
-/// `candidates` are faces with bounding boxes that hold their continuation too. No foot is nearer than its box, so
-/// faces are tried in the order of their boxes' distance until none can beat the best foot.
-fn closest(
-    master: &Surface,
-    candidates: &[(usize, [[f64; 3]; 2])],
-    order: &mut Vec<(f64, usize)>,
-    positions: &[[f64; 3]],
-    point: [f64; 3],
-) -> Option<(usize, Projection)> {
-    let n = master.kind.num_nodes();
-    order.clear();
-    order.extend(candidates.iter().map(|(face, bounds)| (distance_to_box(point, bounds), *face)));
-    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let is_outside = |p: &Projection| p.excess > EDGE_TOLERANCE;
-    // Ties go to the face that comes first in the surface.
-    let rank = |face: usize, p: &Projection| (is_outside(p), p.distance.abs(), face);
-    let mut best: Option<(usize, Projection)> = None;
-    for &(distance, face) in order.iter() {
-        if best.as_ref().is_some_and(|(_, foot)| !is_outside(foot) && foot.distance.abs() < distance) {
-            break;
+        let n = kind.num_nodes();
+        let nodes = &surface.face_positions(face, positions)[..n];
+        let first = face * rule.len();
+        let most_shift =
+            (first..first + rule.len()).map(|i| self.shift(first_point + i, obstacle.stiffness)).fold(0.0, f64::max);
+        // The distance changes by no more than the way one moves.
+        let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
+        let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
+        let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + bulge(kind)) * radius;
+        if nearest > most_shift {
+            return None;
         }
-        let Some(foot) = project(master.kind, &master.face_positions(face, positions)[..n], point) else { continue };
-        if foot.excess <= EXTENSION && best.as_ref().is_none_or(|(b, p)| rank(face, &foot) < rank(*b, p)) {
-            best = Some((face, foot));
-        }
-    }
-    best
-}
-
-fn distance_to_box(point: [f64; 3], bounds: &[[f64; 3]; 2]) -> f64 {
-    let outside: [f64; 3] = std::array::from_fn(|d| (bounds[0][d] - point[d]).max(point[d] - bounds[1][d]).max(0.0));
-    dot(outside, outside).sqrt()
-}
-
-/// Bounding box of a face with room for its continuation beyond its edges and for the bulge of a quadratic face.
-fn grown_box(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
-    let [low, high] = surface.bounding_box(face, positions);
-    let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
-    let share = if surface.kind == FaceKind::Quad4 { EXTENSION } else { 2.5 * EXTENSION };
-    [low.map(|x| x - share * size), high.map(|x| x + share * size)]
-}
-
-fn boxes_overlap(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2], margin: f64) -> bool {
-    (0..3).all(|d| a[0][d] <= b[1][d] + margin && b[0][d] <= a[1][d] + margin)
-}
-
-/// Distance of the two surfaces at rest, from the slave's first corner, and the size of the master's first face, mm.
-fn rest_distance_and_face_size(slave: &Surface, master: &Surface, nodes: &[[f64; 3]]) -> (f64, f64) {
-    if slave.num_faces() == 0 || master.num_faces() == 0 {
-        return (0.0, 0.0);
-    }
-    let origin = nodes[slave.face(0)[0] as usize];
-    let nearest = (0..master.num_faces())
-        .flat_map(|face| master.face(face))
-        .map(|&node| {
-            let gap = sub(origin, nodes[node as usize]);
-            dot(gap, gap).sqrt()
+        let touching = rule.iter().enumerate().filter_map(|(index, &(slave_xi, _))| {
+            let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
+            let distance = distance(&obstacle.shape, *offset, position).value;
+            let shift = self.shift(first_point + first + index, obstacle.stiffness);
+            (distance < shift).then(|| ContactPoint {
+                slave_xi,
+                area: areas[first + index],
+                master_xi: [0.0; 2],
+                distance,
+                shift,
+                number: first_point + first + index,
+                traction: -obstacle.stiffness * (distance - shift),
+            })
+        });
+        let points: Vec<_> = touching.collect();
+        let partner = Partner::Obstacle(number);
+        (!points.is_empty()).then(|| ContactBlock {
+            partner,
+            slave_face: face,
+            nodes: surface.face(face).to_vec(),
+            points,
         })
-        .fold(f64::INFINITY, f64::min);
-    let bounds = master.bounding_box(0, nodes);
-    let size = (0..3).map(|d| bounds[1][d] - bounds[0][d]).fold(0.0, f64::max);
-    (nearest, size)
+    }
 }

@@ -1,7 +1,7 @@
 //! Force and tangent of touching faces against finite differences of the energy, in a state that touches.
 #![allow(clippy::unwrap_used)]
 
-use pneuflex_contact::{ContactModel, evaluate_block};
+use pneuflex_contact::{ContactModel, Partner, evaluate_block};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
@@ -22,7 +22,7 @@ fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
             [x[0] + push, x[1] + 0.03 * x[0] * x[2] + 0.07 * x[0], x[2] - 0.05 * x[0] * x[1]]
         })
         .collect();
-    (mesh, vec![ContactPair { name: "gap".into(), slave, master }], positions)
+    (mesh, vec![ContactPair::new("gap", slave, master)], positions)
 }
 
 struct Total {
@@ -54,7 +54,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
     for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (mesh, pairs, positions) = touching(kind);
-            let model = ContactModel::new(&mesh, &pairs, &Contact { method, stiffness: 4.0 });
+            let model = ContactModel::new(&mesh, &pairs, &Contact { method, ..Contact::default() });
             let here = total(&model, &positions);
             let largest = here.gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             let stiffest = here.hessian.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -90,7 +90,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
 fn the_two_sides_balance_in_force_and_moment() {
     for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
         let (mesh, pairs, positions) = touching(ElementKind::Hex8);
-        let model = ContactModel::new(&mesh, &pairs, &Contact { method, stiffness: 4.0 });
+        let model = ContactModel::new(&mesh, &pairs, &Contact { method, ..Contact::default() });
         let here = total(&model, &positions);
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for (x, f) in positions.iter().zip(here.gradient.chunks_exact(3)) {
@@ -107,8 +107,8 @@ fn the_two_sides_balance_in_force_and_moment() {
 #[test]
 fn near_pairs_cover_every_touching_pair() {
     let (mesh, pairs, positions) = touching(ElementKind::Hex20);
-    let model = ContactModel::new(&mesh, &pairs, &Contact { method: ContactMethod::MultiPoint, stiffness: 4.0 });
-    let near = model.near_face_pairs(&positions, 0.3);
+    let model = ContactModel::new(&mesh, &pairs, &Contact::default());
+    let near = model.near_face_pairs(&positions);
     let touching = model.search(&positions);
     assert!(!touching.is_empty());
     assert!(touching.iter().all(|block| near.contains(&block.nodes)));
@@ -121,8 +121,8 @@ fn the_search_finds_the_same_points_as_brute_force() {
     use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project};
     for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10] {
         let (mesh, pairs, positions) = touching(kind);
-        let model = ContactModel::new(&mesh, &pairs, &Contact { method: ContactMethod::MultiPoint, stiffness: 4.0 });
-        let (slave, master) = model.surfaces(0);
+        let model = ContactModel::new(&mesh, &pairs, &Contact::default());
+        let (slave, master) = (&model.pass(0).slave, &model.pass(0).master);
         let n = slave.kind.num_nodes();
         let mut expected = Vec::new();
         for face in 0..slave.num_faces() {
@@ -146,7 +146,8 @@ fn the_search_finds_the_same_points_as_brute_force() {
             .search(&positions)
             .iter()
             .flat_map(|b| {
-                b.points.iter().map(|p| (b.slave_face, b.master_face, p.slave_xi.map(f64::to_bits), p.distance))
+                let Partner::Face { face, .. } = b.partner else { panic!("no obstacles here") };
+                b.points.iter().map(move |p| (b.slave_face, face, p.slave_xi.map(f64::to_bits), p.distance))
             })
             .collect();
         expected.sort_by_key(|a| (a.0, a.2, a.1));

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use pneuflex_deck::read;
+use pneuflex_model::Contact;
 use pneuflex_model::load::Load;
 use proptest::prelude::*;
 
@@ -56,7 +57,8 @@ fn summary(name: &str) -> String {
         .iter()
         .map(|p| format!("contact {}, {} on {} faces", p.name, p.slave.len(), p.master.len()));
     lines.extend(pairs);
-    lines.push(format!("{:?}", problem.contact));
+    let Contact { method, stiffness, .. } = problem.contact;
+    lines.push(format!("Contact {{ method: {method:?}, stiffness: {stiffness:?} }}"));
     lines.extend(deck.notes.iter().map(ToString::to_string));
     lines.join("\n")
 }

@@ -14,7 +14,7 @@
 //! Sets of the generated mesh: node sets `clamp` (x = 0), `symmetry` (y = 0, half models only), `bottom_centreline`
 //! (y = z = 0), `end_face` (x = L, z ≤ base); facet sets `cavity` (all faces that feel the air), `gap_i_left` and
 //! `gap_i_right` (the wall of chamber i and of chamber i + 1 that face each other, i from 1), `bottom` (z = 0),
-//! `end_face` and `clamp`.
+//! `end_face` and `clamp`, and `outer`: all faces that look out of the body, those of the gaps included, but not the clamped one.
 
 use std::collections::BTreeMap;
 
@@ -377,6 +377,16 @@ pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -
     let mut facet_sets: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
     let last = lattice.num_cells()[0] - 1;
     for BoundaryFacet { facet, cell, side, neighbour } in built.boundary() {
+        let is_outer = match (neighbour, side) {
+            (Neighbour::Void(void), _) => actuator.region(lattice.centre(void)) != Region::Air,
+            (Neighbour::Outside, 0) => false,
+            // The plane of symmetry.
+            (Neighbour::Outside, 2) => actuator.part == Part::Whole,
+            (Neighbour::Outside, _) => true,
+        };
+        if is_outer {
+            facet_sets.entry("outer".into()).or_default().push(facet);
+        }
         let name = match (neighbour, side) {
             (Neighbour::Void(void), side) => match actuator.region(lattice.centre(void)) {
                 Region::Air => "cavity".into(),
@@ -520,6 +530,20 @@ mod tests {
             }
         }
         assert!(mesh.facet_set("gap_8_left").is_empty());
+    }
+
+    /// Together with the clamp and the plane of symmetry the outer faces enclose the body with its air.
+    #[test]
+    fn outer_facets_enclose_body_and_air() {
+        for kind in KINDS {
+            for actuator in [Actuator::two_chambers(), Actuator { part: Part::Whole, ..Actuator::full() }] {
+                let mesh = build_actuator(&actuator, &size(4.5), kind).unwrap();
+                // On the clamp x is 0, and the normal of the plane of symmetry has no x: neither adds to the volume.
+                let enclosed = signed_volume(&mesh, "outer");
+                let air = -signed_volume(&mesh, "cavity");
+                assert!((enclosed - air - mesh.volume()).abs() < 1e-8, "{kind:?}: {enclosed} {air}");
+            }
+        }
     }
 
     #[test]

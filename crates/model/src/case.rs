@@ -108,6 +108,20 @@ pub struct Contact {
     pub method: ContactMethod,
     /// Penalty stiffness k, N/mm³.
     pub stiffness: f64,
+    /// Whether both walls of a gap are the slave in turn, with half the weight each.
+    #[serde(skip_serializing_if = "is_false")]
+    pub two_pass: bool,
+    /// Whether the outer surface is also kept from passing through itself elsewhere than in the gaps.
+    #[serde(skip_serializing_if = "is_false")]
+    pub self_contact: bool,
+    /// Largest penetration of a contact point at the requested pressures, mm: there the contact is solved by an augmented Lagrangian.
+    /// `None` for the penalty alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penetration_tolerance: Option<f64>,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// Where contact is looked for (theory §5).
@@ -170,7 +184,13 @@ pub struct Output {
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { method: ContactMethod::MultiPoint, stiffness: 4.0 }
+        Self {
+            method: ContactMethod::MultiPoint,
+            stiffness: 4.0,
+            two_pass: false,
+            self_contact: false,
+            penetration_tolerance: None,
+        }
     }
 }
 
@@ -389,6 +409,17 @@ impl Case {
         }
         found.0.extend(self.material.problems("material"));
         found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
+        if let Some(tolerance) = self.contact.penetration_tolerance {
+            found.unless_positive("contact.penetration_tolerance", tolerance, " mm");
+        }
+        let is_single = self.contact.method == ContactMethod::SinglePoint;
+        for (key, is_asked) in
+            [("contact.two_pass", self.contact.two_pass), ("contact.self_contact", self.contact.self_contact)]
+        {
+            if is_asked && is_single {
+                found.add(key, &true, "is for contact.method = \"multi-point\" only");
+            }
+        }
         self.check_load_and_probes(&mut found);
         self.solver.check(&mut found);
         found.0

@@ -4,6 +4,7 @@
 //! * [`material`]: hyperelastic laws and their constants.
 //! * [`model_file`]: the same for bodies of any shape, from mesh files and decks.
 //! * [`load`]: what acts on a body, as functions of time.
+//! * [`obstacle`]: rigid bodies that a deformable one may touch.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
 //!
@@ -13,6 +14,7 @@ pub mod case;
 pub mod load;
 pub mod material;
 pub mod model_file;
+pub mod obstacle;
 pub mod problem;
 mod written;
 
@@ -21,6 +23,7 @@ pub use case::{
 };
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};
 pub use material::{Invariant, Law, Material, OgdenTerm, Volumetric};
+pub use obstacle::{Obstacle, Shape};
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 
 /// MPa per kPa.

@@ -1,11 +1,14 @@
 //! What a solver needs, as plain data.
 
+use std::collections::BTreeSet;
+
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
 use crate::MPA_PER_KPA;
 use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation};
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 use crate::material::Material;
+use crate::obstacle::Obstacle;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,10 +29,12 @@ pub struct Problem {
     pub cavities: Vec<Cavity>,
     /// Other loads.
     pub loads: Vec<Load>,
-    /// Contact law.
+    /// Contact law of all pairs that have none of their own.
     pub contact: Contact,
     /// Surfaces that may touch.
     pub contact_pairs: Vec<ContactPair>,
+    /// Rigid bodies that may be touched.
+    pub obstacles: Vec<Obstacle>,
     /// What the time of a load path stands for.
     pub clock: Clock,
 }
@@ -95,10 +100,11 @@ pub struct Support {
     pub motion: Option<Motion>,
 }
 
-/// Two facing surfaces. Points of the slave are kept from passing through the master.
+/// Two surfaces that may touch, or one that may touch itself if both lists are the same. Points of the slave are kept from passing
+/// through the master.
 ///
 /// For single-point contact the facets correspond one to one, in the order of the lists.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactPair {
     /// Name in reports.
     pub name: String,
@@ -106,6 +112,24 @@ pub struct ContactPair {
     pub slave: Vec<Facet>,
     /// Facets onto which the points are projected.
     pub master: Vec<Facet>,
+    /// Where contact is looked for; `None` for the problem's method.
+    pub method: Option<ContactMethod>,
+    /// Penalty stiffness k, N/mm³; `None` for the problem's.
+    pub stiffness: Option<f64>,
+    /// Whether each surface is the slave in turn, with half the weight each.
+    pub is_two_pass: bool,
+}
+
+impl ContactPair {
+    /// A pair with the problem's law, the slave's points only.
+    pub fn new(name: impl Into<String>, slave: Vec<Facet>, master: Vec<Facet>) -> Self {
+        Self { name: name.into(), slave, master, ..Self::default() }
+    }
+
+    /// Whether the surface is to be kept from passing through itself.
+    pub fn is_self(&self) -> bool {
+        self.slave == self.master
+    }
 }
 
 impl Problem {
@@ -122,6 +146,7 @@ impl Problem {
             loads: Vec::new(),
             contact: Contact { method: ContactMethod::None, ..Contact::default() },
             contact_pairs: Vec::new(),
+            obstacles: Vec::new(),
             clock: Clock::Pressure,
         }
     }
@@ -170,13 +195,15 @@ impl Problem {
         if !mesh.node_set("symmetry").is_empty() {
             supports.push(support("symmetry", [false, true, false]));
         }
-        let contact_pairs = (1..actuator.chambers)
-            .map(|i| ContactPair {
-                name: format!("gap_{i}"),
-                slave: mesh.facet_set(&format!("gap_{i}_left")).to_vec(),
-                master: mesh.facet_set(&format!("gap_{i}_right")).to_vec(),
+        let mut contact_pairs: Vec<ContactPair> = (1..actuator.chambers)
+            .map(|i| {
+                let [left, right] = ["left", "right"].map(|side| mesh.facet_set(&format!("gap_{i}_{side}")).to_vec());
+                ContactPair { is_two_pass: contact.two_pass, ..ContactPair::new(format!("gap_{i}"), left, right) }
             })
             .collect();
+        if contact.self_contact {
+            contact_pairs.push(outer_surface(&mesh, &contact_pairs));
+        }
         let cavity = mesh.facet_set("cavity").to_vec();
         let mut problem = Self { supports, contact, contact_pairs, ..Self::body(mesh, formulation, material) };
         problem.inflate("cavity", cavity);
@@ -275,6 +302,13 @@ impl Problem {
     pub fn num_unknowns(&self) -> usize {
         self.held_dofs().iter().filter(|held| !**held).count()
     }
+}
+
+/// An actuator's outer surface against itself, without the walls of the gaps: these face each other, and nothing else gets between them.
+fn outer_surface(mesh: &Mesh, gaps: &[ContactPair]) -> ContactPair {
+    let walls: BTreeSet<Facet> = gaps.iter().flat_map(|gap| gap.slave.iter().chain(&gap.master)).copied().collect();
+    let outer: Vec<Facet> = mesh.facet_set("outer").iter().filter(|facet| !walls.contains(facet)).copied().collect();
+    ContactPair::new("outer", outer.clone(), outer)
 }
 
 #[cfg(test)]

@@ -33,6 +33,9 @@ pub struct Written {
 struct WrittenContact {
     method: ContactMethod,
     stiffness: Option<f64>,
+    two_pass: bool,
+    self_contact: bool,
+    penetration_tolerance: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -62,7 +65,8 @@ impl Default for WrittenSolver {
 
 impl Default for WrittenContact {
     fn default() -> Self {
-        Self { method: Contact::default().method, stiffness: None }
+        let Contact { method, two_pass, self_contact, penetration_tolerance, .. } = Contact::default();
+        Self { method, stiffness: None, two_pass, self_contact, penetration_tolerance }
     }
 }
 
@@ -74,11 +78,12 @@ impl From<Written> for Case {
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let (first_step, max_step) = (first_step_kpa, max_step_kpa);
         let solver = Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, min_step };
+        let WrittenContact { method, two_pass, self_contact, penetration_tolerance, .. } = contact;
         Self {
             title,
             mesh,
             material,
-            contact: Contact { method: contact.method, stiffness },
+            contact: Contact { method, stiffness, two_pass, self_contact, penetration_tolerance },
             actuator,
             load,
             probes,

@@ -16,9 +16,6 @@ use crate::history::Timing;
 use crate::loads::Loads;
 use crate::warp::{Extent, Warp};
 
-/// Room is made in the tangent for faces that are nearer than this share of their distance at rest.
-const NEAR_SHARE: f64 = 0.15;
-
 /// Corrections that move no node further than this are not bent: the next one makes up for their second-order part, mm.
 const STRAIGHT_BELOW: f64 = 1e-3;
 
@@ -66,7 +63,6 @@ pub struct System {
     rows: Vec<Row>,
     responses: Option<Vec<Vec<f64>>>,
     contact: ContactModel,
-    near_margin: f64,
     /// Touching blocks of the last assembly, and the node positions it was made at.
     touching: Vec<ContactBlock>,
     positions: Vec<[f64; 3]>,
@@ -98,13 +94,12 @@ impl System {
         let (materials, material_of) = problem.materials();
         let solid = Solid::of_materials(&mesh, problem.formulation, &materials, material_of)?;
         let loads = Loads::new(problem)?;
-        let contact = ContactModel::new(&mesh, &problem.contact_pairs, &problem.contact);
+        let contact = ContactModel::of(problem);
         let held = problem.held_dofs();
         let assembler = Assembler::new(mesh.num_nodes(), &fixed(&solid, &loads), &[]);
         let factor = Factor::new(Arc::new(Symbolic::analyze(assembler.pattern(), Ordering::default())?));
         let warp = Warp::new(&mesh, &held, parallelism)?;
         let carried_tractions = vec![0.0; contact.num_points()];
-        let near_margin = NEAR_SHARE * contact.rest_distance();
         let timing = Timing { factor_s: start.elapsed().as_secs_f64(), ..Timing::default() };
         Ok(Self {
             mesh,
@@ -113,7 +108,6 @@ impl System {
             rows: Vec::new(),
             responses: None,
             contact,
-            near_margin,
             touching: Vec::new(),
             positions: Vec::new(),
             pending: None,
@@ -174,13 +168,14 @@ impl System {
         }
         let start = Instant::now();
         self.loads.set_time(time, border);
+        self.contact.set_time(time);
         let positions = self.positions(displacement);
         let mut contact = Contact::search(&self.contact, positions.clone());
         for point in contact.blocks.iter_mut().flat_map(|block| &mut block.points) {
             point.traction = self.carried_tractions[point.number];
         }
         if request == Request::Tangent && !self.assembler.covers(&contact) {
-            let near = self.contact.near_face_pairs(&positions, self.near_margin);
+            let near = self.contact.near_face_pairs(&positions);
             let fixed = fixed(&self.solid, &self.loads);
             self.assembler = Assembler::new(self.mesh.num_nodes(), &fixed, &near);
             self.timing.contact_s += start.elapsed().as_secs_f64();
@@ -424,6 +419,29 @@ impl System {
         let blocks = self.contact.search(&self.positions(displacement));
         self.timing.contact_s += start.elapsed().as_secs_f64();
         blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
+    }
+
+    /// Traction that every contact point carries without penetration, MPa; empty for none.
+    pub fn contact_multipliers(&self) -> &[f64] {
+        self.contact.multipliers()
+    }
+
+    /// Sets them. There must be none or as many as contact points.
+    pub fn set_contact_multipliers(&mut self, multipliers: Vec<f64>) {
+        self.contact.set_multipliers(multipliers);
+    }
+
+    /// Tractions ⟨λ − k d⟩ of all contact points at a displacement, MPa, and the largest |d| of those that carry one, mm.
+    pub fn contact_tractions(&mut self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
+        let start = Instant::now();
+        let mut tractions = vec![0.0; self.contact.num_points()];
+        let mut distance: f64 = 0.0;
+        for point in self.contact.search(&self.positions(displacement)).iter().flat_map(|block| &block.points) {
+            tractions[point.number] = point.traction;
+            distance = distance.max(point.distance.abs());
+        }
+        self.timing.contact_s += start.elapsed().as_secs_f64();
+        (tractions, distance)
     }
 
     /// Restarts the carried pressures and contact tractions from those of a displacement.

@@ -1,13 +1,15 @@
-//! What the contact's own points carry: how many, over which area, and the tractions on both walls.
+//! What the contact's own points carry: how many, over which area, the tractions on both walls, the forces on obstacles.
 
-use pneuflex_contact::{ContactModel, evaluate_block};
-use pneuflex_mesh::quadrature;
+use std::collections::BTreeMap;
+
+use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
+use pneuflex_mesh::{Facet, quadrature};
 use pneuflex_model::{ContactPair, Problem};
 
 use crate::error::{PostError, check};
 use crate::search::Surface;
 use crate::surface::Patch;
-use crate::vector::norm;
+use crate::vector::{cross, norm, sub};
 
 /// The contact of one state, from the points of the chosen method (theory §5).
 #[derive(Clone, Debug, PartialEq)]
@@ -18,47 +20,114 @@ pub struct ContactState {
     pub area_mm2: f64,
     /// Energy of the penalty, ½ k Σ wᵢ dᵢ² over these points, mJ.
     pub penalty_energy_mj: f64,
-    /// Force of the contact on every facet of every pair's slave and master wall, N.
+    /// Force of the contact on every facet of every pair's slave and master wall, N. The second list of a surface that touches itself is
+    /// empty.
     pub facet_force: Vec<[Vec<[f64; 3]>; 2]>,
+    /// What the body does to every obstacle.
+    pub obstacles: Vec<ObstacleForce>,
     /// Signed distance of every node of the walls from the opposite wall, mm; `None` away from the walls.
     pub nodal_gap: Vec<Option<f64>>,
 }
 
+/// What the modelled body does to an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstacleForce {
+    /// Name of the obstacle.
+    pub name: String,
+    /// Force of the body on it, N.
+    pub force: [f64; 3],
+    /// Moment of that force about `about`, N·mm.
+    pub moment: [f64; 3],
+    /// The obstacle's centre, or the given point of a plane or an axis, where it is now, mm.
+    pub about: [f64; 3],
+    /// Contact points that carry traction.
+    pub points_active: usize,
+    /// Reference area of these points, mm².
+    pub area_mm2: f64,
+    /// Largest depth of a contact point, mm; 0 if none is inside.
+    pub max_penetration_mm: f64,
+    /// Force of the obstacle on every of its facets, N.
+    pub facet_force: Vec<[f64; 3]>,
+}
+
+/// Evaluates the contact of a state without multipliers at the beginning of time, see [`evaluate_at`].
+///
+/// # Errors
+/// As there.
+pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState, PostError> {
+    evaluate_at(problem, displacement, 0.0, &[])
+}
+
 /// Evaluates the contact of a state.
 ///
-/// `displacement` has three entries per node, mm.
+/// `displacement` has three entries per node, mm; `time` tells where obstacles are; `multipliers` (MPa) are those of the contact's
+/// points, or none.
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState, PostError> {
+pub fn evaluate_at(
+    problem: &Problem,
+    displacement: &[f64],
+    time: f64,
+    multipliers: &[f64],
+) -> Result<ContactState, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
+    let mut model = ContactModel::of(problem);
+    if !multipliers.is_empty() {
+        check("contact multipliers", multipliers, model.num_points())?;
+    }
+    model.set_multipliers(multipliers.to_vec());
+    model.set_time(time);
     let mut state = ContactState {
         points_active: 0,
         area_mm2: 0.0,
         penalty_energy_mj: 0.0,
         facet_force: (problem.contact_pairs.iter())
-            .map(|pair| [&pair.slave, &pair.master].map(|wall| vec![[0.0; 3]; wall.len()]))
+            .map(|pair| {
+                let masters = if pair.is_self() { 0 } else { pair.master.len() };
+                [pair.slave.len(), masters].map(|facets| vec![[0.0; 3]; facets])
+            })
+            .collect(),
+        obstacles: (problem.obstacles.iter().enumerate())
+            .map(|(number, obstacle)| ObstacleForce {
+                name: obstacle.name.clone(),
+                force: [0.0; 3],
+                moment: [0.0; 3],
+                about: model.reference_point(number),
+                points_active: 0,
+                area_mm2: 0.0,
+                max_penetration_mm: 0.0,
+                facet_force: vec![[0.0; 3]; obstacle.facets.len()],
+            })
             .collect(),
         nodal_gap: vec![None; problem.mesh.num_nodes()],
     };
-    for pair in &problem.contact_pairs {
+    for pair in problem.contact_pairs.iter().filter(|pair| !pair.is_self()) {
         gaps(problem, pair, displacement, &mut state);
     }
-    let model = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
     let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks(3)))
         .map(|(x, u)| std::array::from_fn(|d| x[d] + u[d]))
         .collect();
     for block in model.search(&positions) {
-        state.points_active += block.points.len();
-        state.area_mm2 += block.points.iter().map(|p| p.area).sum::<f64>();
+        let area = block.points.iter().map(|p| p.area).sum::<f64>();
         let evaluated = evaluate_block(&model, &block, &positions, false);
         state.penalty_energy_mj += evaluated.energy;
+        if let Partner::Obstacle(number) = block.partner {
+            state.obstacles[number].add(&block, area, &evaluated.residual, &positions);
+            continue;
+        }
+        state.points_active += block.points.len();
+        state.area_mm2 += area;
         // The force is the negative gradient of the contact's energy.
         let gradient = evaluated.residual;
         let per_face = gradient.len() / 2;
-        for (side, face) in [block.slave_face, block.master_face].into_iter().enumerate() {
-            let force = &mut state.facet_force[block.pair][side][face];
-            for g in gradient[side * per_face..(side + 1) * per_face].chunks(3) {
+        let Partner::Face { pass, face: master_face } = block.partner else { continue };
+        let pass = model.pass(pass);
+        for (which, face) in [block.slave_face, master_face].into_iter().enumerate() {
+            let is_second = (which == 1) != pass.is_reversed && !problem.contact_pairs[pass.pair].is_self();
+            let side = usize::from(is_second);
+            let force = &mut state.facet_force[pass.pair][side][face];
+            for g in gradient[which * per_face..(which + 1) * per_face].chunks(3) {
                 for d in 0..3 {
                     force[d] -= g[d];
                 }
@@ -66,6 +135,24 @@ pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState,
         }
     }
     Ok(state)
+}
+
+impl ObstacleForce {
+    /// Adds the points of a facet; `gradient` is that of their energy, the force of the body's nodes on the obstacle.
+    fn add(&mut self, block: &ContactBlock, area: f64, gradient: &[f64], positions: &[[f64; 3]]) {
+        self.points_active += block.points.len();
+        self.area_mm2 += area;
+        self.max_penetration_mm = block.points.iter().fold(self.max_penetration_mm, |a, p| a.max(-p.distance));
+        for (&node, force) in block.nodes.iter().zip(gradient.chunks_exact(3)) {
+            let arm = sub(positions[node as usize], self.about);
+            let moment = cross(arm, [force[0], force[1], force[2]]);
+            for d in 0..3 {
+                self.force[d] += force[d];
+                self.moment[d] += moment[d];
+                self.facet_force[block.slave_face][d] -= force[d];
+            }
+        }
+    }
 }
 
 fn gaps(problem: &Problem, pair: &ContactPair, displacement: &[f64], state: &mut ContactState) {
@@ -94,17 +181,25 @@ impl ContactState {
         let rule = quadrature::face(problem.mesh.face_kind());
         let mut traction = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let mut area = vec![0.0; problem.mesh.num_nodes()];
-        for (pair, forces) in problem.contact_pairs.iter().zip(&self.facet_force) {
-            for (wall, forces) in [&pair.slave, &pair.master].into_iter().zip(forces) {
-                for (&facet, force) in wall.iter().zip(forces) {
-                    let patch = Patch::new(&problem.mesh, facet, None);
-                    let face: f64 = rule.iter().map(|&(xi, w)| w * norm(patch.at(xi).area_vector)).sum();
-                    for node in problem.mesh.facet_nodes(facet) {
-                        area[node as usize] += face;
-                        for d in 0..3 {
-                            traction[node as usize][d] += force[d];
-                        }
-                    }
+        let of_pairs = problem.contact_pairs.iter().zip(&self.facet_force);
+        let walls = of_pairs.flat_map(|(pair, [slave, master])| [(&pair.slave, slave), (&pair.master, master)]);
+        let of_obstacles =
+            problem.obstacles.iter().zip(&self.obstacles).map(|(o, found)| (&o.facets, &found.facet_force));
+        // A facet may belong to several of them: it has one area, and what any of them does to it adds up.
+        let mut by_facet: BTreeMap<Facet, [f64; 3]> = BTreeMap::new();
+        for (facets, forces) in walls.chain(of_obstacles) {
+            for (&facet, force) in facets.iter().zip(forces) {
+                let sum = by_facet.entry(facet).or_default();
+                *sum = std::array::from_fn(|d| sum[d] + force[d]);
+            }
+        }
+        for (facet, force) in by_facet {
+            let patch = Patch::new(&problem.mesh, facet, None);
+            let face: f64 = rule.iter().map(|&(xi, w)| w * norm(patch.at(xi).area_vector)).sum();
+            for node in problem.mesh.facet_nodes(facet) {
+                area[node as usize] += face;
+                for d in 0..3 {
+                    traction[node as usize][d] += force[d];
                 }
             }
         }

@@ -51,7 +51,8 @@ pub fn contact_walls(
     let mut number = vec![u32::MAX; mesh.num_nodes()];
     let mut nodes = Vec::new();
     for (i, pair) in problem.contact_pairs.iter().enumerate() {
-        for (which, &facet) in pair.slave.iter().map(|f| (0.0, f)).chain(pair.master.iter().map(|f| (1.0, f))) {
+        let master = if pair.is_self() { &[] } else { &pair.master[..] };
+        for (which, &facet) in pair.slave.iter().map(|f| (0.0, f)).chain(master.iter().map(|f| (1.0, f))) {
             let local: Vec<u32> = mesh
                 .facet_nodes(facet)
                 .into_iter()

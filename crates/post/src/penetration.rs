@@ -55,7 +55,8 @@ impl Penetration {
     }
 }
 
-/// Measures the penetration of every contact pair with facets.
+/// Measures the penetration of every contact pair with facets; a surface that may touch itself is none: the nearest of its points is the point
+/// itself.
 ///
 /// `displacement` has three entries per node, mm.
 ///
@@ -63,7 +64,7 @@ impl Penetration {
 /// A list of the wrong length or with a number that is not finite.
 pub fn measure(problem: &Problem, displacement: &[f64]) -> Result<Penetration, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
-    let pairs = problem.contact_pairs.iter().filter(|p| !p.slave.is_empty() && !p.master.is_empty());
+    let pairs = problem.contact_pairs.iter().filter(|p| !p.slave.is_empty() && !p.master.is_empty() && !p.is_self());
     Ok(Penetration { gaps: pairs.map(|pair| gap(problem, pair, displacement)).collect() })
 }
 
@@ -74,7 +75,7 @@ pub fn measure(problem: &Problem, displacement: &[f64]) -> Result<Penetration, P
 pub fn touching(problem: &Problem, displacement: &[f64]) -> Result<Vec<[f64; 3]>, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
     let mut found = Vec::new();
-    for pair in &problem.contact_pairs {
+    for pair in problem.contact_pairs.iter().filter(|pair| !pair.is_self()) {
         let master = Surface::new(problem, &pair.master, displacement);
         let mut hint = None;
         for &facet in &pair.slave {

@@ -62,7 +62,7 @@ pub fn two_blocks(formulation: Formulation, method: ContactMethod, shifted: bool
     mesh.connectivity.extend(right.connectivity.iter().map(|n| n + shift));
     mesh.nodes.extend(right.nodes);
     let side = |x: f64| mesh.select_facets(|point| (point[0] - x).abs() < 1e-9);
-    let contact_pairs = vec![ContactPair { name: "gap".into(), slave: side(1.0), master: side(1.1) }];
+    let contact_pairs = vec![ContactPair::new("gap", side(1.0), side(1.1))];
     let per_cell = if formulation == Formulation::Tet10 { 2 } else { 1 };
     assert_eq!((contact_pairs[0].slave.len(), contact_pairs[0].master.len()), (4 * per_cell, 4 * per_cell));
     let problem = body(mesh, formulation, Material::default());

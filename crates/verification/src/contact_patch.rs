@@ -2,7 +2,7 @@
 
 use pneuflex_mesh::Mesh;
 use pneuflex_mesh::lattice::Lattice;
-use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Problem};
+use pneuflex_model::{Contact, ContactPair, Formulation, Problem};
 use pneuflex_post::stress;
 
 use crate::Effort;
@@ -92,8 +92,8 @@ fn blocks(formulation: Formulation, slave: usize, master: usize) -> Problem {
     let (of_lower, mut of_upper) = (shared(&lower), shared(&upper));
     of_upper.iter_mut().for_each(|facet| facet.element += lower.num_elements() as u32);
     let mut problem = body(joined(lower, &upper), formulation, material(1000.0));
-    problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness: STIFFNESS };
-    problem.contact_pairs = vec![ContactPair { name: "faces".into(), slave: of_upper, master: of_lower }];
+    problem.contact = Contact { stiffness: STIFFNESS, ..Contact::default() };
+    problem.contact_pairs = vec![ContactPair::new("faces", of_upper, of_lower)];
     hold(&mut problem, "x", [true, false, false], |x| near(x[0], 0.0));
     hold(&mut problem, "y", [false, true, false], |x| near(x[1], 0.0));
     hold(&mut problem, "ends", [false, false, true], |x| near(x[2], 0.0) || near(x[2], 2.0));

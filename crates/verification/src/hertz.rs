@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use pneuflex_contact::ContactModel;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Mesh, shape};
-use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Law, Material, Problem};
+use pneuflex_model::{Contact, ContactPair, Formulation, Law, Material, Problem};
 
 use crate::Effort;
 use crate::body::{at, body, displacement, hold, impose, last, material, near};
@@ -106,7 +106,7 @@ struct Touching {
 }
 
 fn touching_points(problem: &Problem, displacement: &[f64]) -> Vec<Touching> {
-    let model = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
+    let model = ContactModel::of(problem);
     let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks_exact(3)))
         .map(|(x, u)| std::array::from_fn(|k| x[k] + u[k]))
         .collect();
@@ -148,8 +148,8 @@ fn bodies(formulation: Formulation, cells: usize) -> Problem {
     });
     let neo_hookean = Material { law: Law::NeoHooke { c10: 0.2712 }, ..material(300.0) };
     let mut problem = body(joined(flat, &ball), formulation, neo_hookean);
-    problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness: STIFFNESS };
-    problem.contact_pairs = vec![ContactPair { name: "ball".into(), slave, master }];
+    problem.contact = Contact { stiffness: STIFFNESS, ..Contact::default() };
+    problem.contact_pairs = vec![ContactPair::new("ball", slave, master)];
     hold(&mut problem, "x", [true, false, false], |x| near(x[0], 0.0));
     hold(&mut problem, "y", [false, true, false], |x| near(x[1], 0.0));
     hold(&mut problem, "far sides", [true; 3], |x| near(x[2], -SIDE) || near(x[2], SIDE + GAP));

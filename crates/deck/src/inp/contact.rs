@@ -63,7 +63,7 @@ pub(super) fn read_contact(
         }
     }
     let contact = match law {
-        Some((_, stiffness)) => Contact { method: ContactMethod::MultiPoint, stiffness },
+        Some((_, stiffness)) => Contact { stiffness, ..Contact::default() },
         None => Contact { method: ContactMethod::None, ..Contact::default() },
     };
     (contact, pairs)
@@ -168,5 +168,5 @@ fn read_pair(
         }
     };
     let (slave_facets, master_facets) = (surface(slave), surface(master));
-    Some(ContactPair { name: format!("{slave} on {master}"), slave: slave_facets?, master: master_facets? })
+    Some(ContactPair::new(format!("{slave} on {master}"), slave_facets?, master_facets?))
 }

@@ -276,10 +276,15 @@ impl Build {
         let master = self.facets(&format!("contact[{number}].master"), &table.master);
         let stiffness = table.stiffness.unwrap_or_else(|| self.stiffness(&slave));
         if self.problem.contact.method == ContactMethod::None {
-            self.problem.contact = Contact { method: ContactMethod::MultiPoint, stiffness };
+            self.problem.contact = Contact { stiffness, ..Contact::default() };
         }
         let name = format!("{}-{}", table.slave, table.master);
-        self.problem.contact_pairs.push(ContactPair { name, slave, master });
+        let pair = ContactPair::new(name, slave, master);
+        self.problem.contact_pairs.push(ContactPair {
+            stiffness: Some(stiffness),
+            is_two_pass: table.two_pass,
+            ..pair
+        });
     }
 
     fn stiffness(&self, slave: &[Facet]) -> f64 {

@@ -187,7 +187,7 @@ fn two_blocks(formulation: Formulation, method: ContactMethod) -> Problem {
     mesh.connectivity.extend(right.connectivity.iter().map(|n| n + shift));
     mesh.nodes.extend(right.nodes);
     let side = |x: f64| mesh.select_facets(|point| (point[0] - x).abs() < 1e-9);
-    let pair = ContactPair { name: "gap".into(), slave: side(1.0), master: side(1.1) };
+    let pair = ContactPair::new("gap", side(1.0), side(1.1));
     let mut problem = body(mesh, formulation, Material::default());
     problem.contact.method = method;
     problem.contact_pairs = vec![pair];
@@ -206,7 +206,7 @@ fn contact() {
                 [if x <= 1.0 { x + 0.1 + 0.1 * z } else { x + bulge }, y + 0.03 * z, z]
             });
             let u = sum(&pushed, &noise(n, 0.02, 4));
-            let model = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
+            let model = ContactModel::of(&problem);
             let contact = Contact::search(&model, deformed(&problem.mesh, &u));
             let reference = pneuflex_reference::ContactModel::new(&problem).unwrap();
             let points = reference.points(u.as_flattened());
@@ -240,7 +240,7 @@ fn global_residual_and_tangent() {
         let solid = Solid::new(&problem.mesh, formulation, &problem.material).unwrap();
         let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
         pressure.pressure = p;
-        let model = ContactModel::new(&problem.mesh, &problem.contact_pairs, &problem.contact);
+        let model = ContactModel::of(&problem);
         let contact = Contact::search(&model, deformed(&problem.mesh, &u));
         let deepest =
             contact.blocks.iter().flat_map(|block| &block.points).fold(0.0, |d: f64, point| d.max(-point.distance));

@@ -57,7 +57,7 @@ struct Sample {
 fn sample(problem: &Problem, displacement: &[f64], limit: f64) -> Result<Vec<(usize, Vec<Sample>)>, PostError> {
     check("displacement", displacement, problem.num_dofs())?;
     let mut all = Vec::new();
-    for (gap, pair) in problem.contact_pairs.iter().enumerate() {
+    for (gap, pair) in problem.contact_pairs.iter().enumerate().filter(|(_, pair)| !pair.is_self()) {
         let master = Surface::new(problem, &pair.master, displacement);
         let mut found = Vec::new();
         let mut centres = Vec::new();

@@ -1,0 +1,65 @@
+//! The search without boxes, tree, order, slabs and cones: the permanent check of the one that has them.
+
+use pneuflex_mesh::shape;
+
+use crate::own_body::{SlavePoint, are_neighbours, blocks, counts};
+use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
+use crate::search::ContactModel;
+use crate::surface::Surface;
+
+/// A point that touches, as [`feet`] finds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot {
+    /// Slave face.
+    pub slave_face: usize,
+    /// Number of the point among all points of the model.
+    pub number: usize,
+    /// Master face.
+    pub master_face: usize,
+    /// Foot on it.
+    pub projection: Projection,
+}
+
+/// The touching points of a pass of multiple-point contact without multipliers, by looking at every face for every point.
+pub fn feet(model: &ContactModel, pass: usize, positions: &[[f64; 3]]) -> Vec<Foot> {
+    let pass = model.pass(pass);
+    let (slave, master) = (&pass.slave, &pass.master);
+    let n = slave.kind.num_nodes();
+    let on = |surface: &Surface, face: usize, xi, at: &[[f64; 3]]| {
+        face_geometry(&surface.face_positions(face, at)[..n], &shape::evaluate_face(surface.kind, xi))
+    };
+    let mut found = Vec::new();
+    for slave_face in 0..slave.num_faces() {
+        for (index, &(xi, _)) in pass.rule.iter().enumerate() {
+            let [now, at_rest] = [positions, model.rest()].map(|at| on(slave, slave_face, xi, at));
+            let point = SlavePoint {
+                at_rest: at_rest.position,
+                normal_at_rest: unit_normal(&at_rest.tangents).0,
+                normal: unit_normal(&now.tangents).0,
+            };
+            let is_stranger = |m: usize| !pass.is_own_body || !are_neighbours(slave.face(slave_face), master.face(m));
+            let foot_on = |m: usize| {
+                project(master.kind, &master.face_positions(m, positions)[..n], now.position).map(|foot| (m, foot))
+            };
+            let all: Vec<(usize, Projection)> =
+                (0..master.num_faces()).filter(|&m| is_stranger(m)).filter_map(foot_on).collect();
+            let is_outside = |foot: &Projection| foot.excess > EDGE_TOLERANCE;
+            let nearest = (all.iter())
+                .filter(|(_, foot)| foot.excess <= EXTENSION)
+                .filter(|(m, foot)| {
+                    !pass.is_own_body || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position)
+                })
+                .min_by(|(_, a), (_, b)| {
+                    (is_outside(a).cmp(&is_outside(b))).then(a.distance.abs().total_cmp(&b.distance.abs()))
+                });
+            let Some(&(master_face, projection)) = nearest else { continue };
+            let depth = -projection.distance;
+            let is_far_side = pass.is_own_body && all.iter().any(|(_, foot)| blocks(point.normal, foot, depth));
+            if depth > 0.0 && depth <= pass.reach && !is_far_side {
+                let number = pass.first_point + slave_face * pass.rule.len() + index;
+                found.push(Foot { slave_face, number, master_face, projection });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,260 @@
+//! The points of some slave faces against the faces of their master: which foot counts.
+
+use std::ops::Range;
+
+use pneuflex_mesh::{FaceKind, shape};
+
+use crate::broad_phase::{Bounds, FaceTree, join, overlap};
+use crate::own_body::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
+use crate::pass::{Pass, bulge};
+use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
+use crate::search::{ContactBlock, ContactModel, ContactPoint, Partner};
+use crate::surface::Surface;
+
+/// Centres of slave faces against the centres of the master faces of the same number.
+pub fn single_blocks(
+    model: &ContactModel,
+    number: usize,
+    faces: Range<usize>,
+    positions: &[[f64; 3]],
+    margin: f64,
+) -> Vec<ContactBlock> {
+    let pass = model.pass(number);
+    let (slave, master, kind) = (&pass.slave, &pass.master, pass.slave.kind);
+    let shape = shape::evaluate_face(kind, kind.centre());
+    let mut blocks = Vec::new();
+    for face in faces.start..faces.end.min(master.num_faces()) {
+        let s = face_geometry(&slave.face_positions(face, positions)[..kind.num_nodes()], &shape);
+        let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
+        let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
+        let shift = model.shift(pass.first_point + face, pass.stiffness);
+        if distance < margin + shift {
+            let point = ContactPoint {
+                slave_xi: kind.centre(),
+                area: pass.areas[face],
+                master_xi: kind.centre(),
+                distance,
+                shift,
+                number: pass.first_point + face,
+                traction: -pass.stiffness * (distance - shift),
+            };
+            blocks.push(block(pass, number, face, face, vec![point]));
+        }
+    }
+    blocks
+}
+
+fn block(pass: &Pass, number: usize, slave_face: usize, face: usize, points: Vec<ContactPoint>) -> ContactBlock {
+    let nodes = pass.slave.face(slave_face).iter().chain(pass.master.face(face)).copied().collect();
+    ContactBlock { partner: Partner::Face { pass: number, face }, slave_face, nodes, points }
+}
+
+/// A pass at some positions: what is computed once for all of its slave faces.
+pub struct Facing<'a> {
+    pass: &'a Pass,
+    rest: &'a [[f64; 3]],
+    positions: &'a [[f64; 3]],
+    margin: f64,
+    /// Of the master's faces, with room for their continuation.
+    boxes: Vec<Bounds>,
+    tree: FaceTree,
+    slabs: Vec<Slab>,
+    /// Of both surfaces' faces, within one body.
+    cones: Option<[Vec<NormalCone>; 2]>,
+}
+
+impl<'a> Facing<'a> {
+    /// `None` if the surfaces are out of each other's reach.
+    pub fn new(pass: &'a Pass, rest: &'a [[f64; 3]], positions: &'a [[f64; 3]], margin: f64) -> Option<Self> {
+        let (slave, master) = (&pass.slave, &pass.master);
+        let room = if pass.is_own_body { BLOCKING_EXTENSION } else { EXTENSION };
+        let boxes: Vec<Bounds> = (0..master.num_faces()).map(|face| grown_box(master, face, positions, room)).collect();
+        let slaves: Vec<Bounds> = (0..slave.num_faces()).map(|face| slave.bounding_box(face, positions)).collect();
+        if !overlap(&join(&slaves), &join(&boxes), pass.reach) {
+            return None;
+        }
+        let cones = |surface: &Surface| {
+            (0..surface.num_faces()).map(|face| NormalCone::of(surface, face, positions)).collect::<Vec<_>>()
+        };
+        Some(Self {
+            pass,
+            rest,
+            positions,
+            margin,
+            tree: FaceTree::new(&boxes),
+            boxes,
+            slabs: (0..master.num_faces()).map(|face| Slab::of(master, face, positions)).collect(),
+            cones: pass.is_own_body.then(|| [cones(slave), cones(master)]),
+        })
+    }
+
+    /// The points of some slave faces that are near enough to their feet, grouped by master face.
+    pub fn blocks(&self, model: &ContactModel, number: usize, faces: Range<usize>) -> Vec<ContactBlock> {
+        let Pass { slave, areas, rule, reach, stiffness, first_point, .. } = self.pass;
+        let kind = slave.kind;
+        let shapes: Vec<_> = rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
+        let mut blocks: Vec<ContactBlock> = Vec::new();
+        let (mut near, mut candidates, mut order) = (Vec::new(), Vec::new(), Vec::new());
+        for face in faces {
+            let bounds = slave.bounding_box(face, self.positions);
+            self.tree.overlapping(&self.boxes, &bounds, *reach, &mut near);
+            candidates.clear();
+            candidates.extend(near.iter().copied().filter(|&m| self.is_candidate(face, m)));
+            let nodes = slave.face_positions(face, self.positions);
+            let nodes = &nodes[..kind.num_nodes()];
+            let first = first_point + face * rule.len();
+            let shift = (first..first + rule.len()).map(|i| model.shift(i, *stiffness)).fold(0.0, f64::max);
+            // Far from contact, most faces are told apart without a projection.
+            if candidates.iter().all(|&m| self.slabs[m].is_clear(kind, nodes, self.margin + shift)) {
+                continue;
+            }
+            let first_block = blocks.len();
+            for (index, (&(slave_xi, _), shape)) in rule.iter().zip(&shapes).enumerate() {
+                let geometry = face_geometry(nodes, shape);
+                let slave_point = self.cones.as_ref().map(|_| {
+                    let at_rest = face_geometry(&slave.face_positions(face, self.rest)[..kind.num_nodes()], shape);
+                    let [normal, normal_at_rest] = [&geometry, &at_rest].map(|g| unit_normal(&g.tangents).0);
+                    SlavePoint { at_rest: at_rest.position, normal_at_rest, normal }
+                });
+                let found = self.closest(&candidates, &mut order, geometry.position, slave_point.as_ref());
+                let Some((master_face, foot)) = found else { continue };
+                let shift = model.shift(first + index, *stiffness);
+                if foot.distance >= self.margin + shift || foot.distance < -*reach {
+                    continue;
+                }
+                if slave_point.is_some_and(|slave| self.is_far_side(face, &near, geometry.position, &slave, &foot)) {
+                    continue;
+                }
+                let touching = ContactPoint {
+                    slave_xi,
+                    area: areas[face * rule.len() + index],
+                    master_xi: foot.xi,
+                    distance: foot.distance,
+                    shift,
+                    number: first + index,
+                    traction: -stiffness * (foot.distance - shift),
+                };
+                let partner = Partner::Face { pass: number, face: master_face };
+                match blocks[first_block..].iter_mut().find(|block| block.partner == partner) {
+                    Some(block) => block.points.push(touching),
+                    None => blocks.push(block(self.pass, number, face, master_face, vec![touching])),
+                }
+            }
+        }
+        blocks
+    }
+
+    fn is_candidate(&self, slave_face: usize, master_face: usize) -> bool {
+        let Some([slaves, masters]) = &self.cones else { return true };
+        !slaves[slave_face].never_opposes(&masters[master_face])
+            && !are_neighbours(self.pass.slave.face(slave_face), self.pass.master.face(master_face))
+    }
+
+    /// Rule 4 of [`crate::own_body`], for a foot that the point lies behind.
+    fn is_far_side(
+        &self,
+        slave_face: usize,
+        near: &[usize],
+        point: [f64; 3],
+        slave: &SlavePoint,
+        foot: &Projection,
+    ) -> bool {
+        let Pass { slave: surface, master, .. } = self.pass;
+        foot.distance < 0.0
+            && near.iter().any(|&m| {
+                !are_neighbours(surface.face(slave_face), master.face(m))
+                    && distance_to_box(point, &self.boxes[m]) < -foot.distance
+                    && self.project(m, point).is_some_and(|other| blocks(slave.normal, &other, -foot.distance))
+            })
+    }
+
+    fn project(&self, face: usize, point: [f64; 3]) -> Option<Projection> {
+        let master = &self.pass.master;
+        project(master.kind, &master.face_positions(face, self.positions)[..master.kind.num_nodes()], point)
+    }
+
+    /// The foot that counts: the nearest one inside a face; failing that, the nearest one on a slightly continued face.
+    ///
+    /// No foot is nearer than its face's box, so faces are tried in the order of their boxes' distance until none can beat the
+    /// best foot.
+    fn closest(
+        &self,
+        candidates: &[usize],
+        order: &mut Vec<(f64, usize)>,
+        point: [f64; 3],
+        slave: Option<&SlavePoint>,
+    ) -> Option<(usize, Projection)> {
+        order.clear();
+        order.extend(candidates.iter().map(|&face| (distance_to_box(point, &self.boxes[face]), face)));
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let is_outside = |p: &Projection| p.excess > EDGE_TOLERANCE;
+        // Ties go to the face that comes first in the surface.
+        let rank = |face: usize, p: &Projection| (is_outside(p), p.distance.abs(), face);
+        let mut best: Option<(usize, Projection)> = None;
+        for &(distance, face) in order.iter() {
+            if best.as_ref().is_some_and(|(_, foot)| !is_outside(foot) && foot.distance.abs() < distance) {
+                break;
+            }
+            let Some(foot) = self.project(face, point) else { continue };
+            if foot.excess <= EXTENSION
+                && best.as_ref().is_none_or(|(b, p)| rank(face, &foot) < rank(*b, p))
+                && slave.is_none_or(|slave| counts(slave, &foot, self.at_rest(face, &foot)))
+            {
+                best = Some((face, foot));
+            }
+        }
+        best
+    }
+
+    /// Position of a foot at rest.
+    fn at_rest(&self, face: usize, foot: &Projection) -> [f64; 3] {
+        let master = &self.pass.master;
+        let nodes = &master.face_positions(face, self.rest)[..master.kind.num_nodes()];
+        face_geometry(nodes, &shape::evaluate_face(master.kind, foot.xi)).position
+    }
+}
+
+/// The half-space in front of a master face.
+struct Slab {
+    /// Unit normal at the face's centre.
+    normal: [f64; 3],
+    /// No point of the face, continued a little, lies further than this along the normal, mm.
+    front: f64,
+}
+
+impl Slab {
+    fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
+        let kind = surface.kind;
+        let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
+        let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
+        let [low, high] = extent(nodes, normal);
+        Self { normal, front: high + (bulge(kind) + 2.0 * EXTENSION) * (high - low) }
+    }
+
+    /// Whether a slave face lies wholly in front, further away than `margin`: then no distance to this face is below it.
+    fn is_clear(&self, kind: FaceKind, slave: &[[f64; 3]], margin: f64) -> bool {
+        let [low, high] = extent(slave, self.normal);
+        low - bulge(kind) * (high - low) > self.front + margin
+    }
+}
+
+/// Least and largest coordinate of points along a direction.
+fn extent(points: &[[f64; 3]], direction: [f64; 3]) -> [f64; 2] {
+    points
+        .iter()
+        .map(|&x| dot(x, direction))
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
+}
+
+fn distance_to_box(point: [f64; 3], bounds: &Bounds) -> f64 {
+    let outside: [f64; 3] = std::array::from_fn(|d| (bounds[0][d] - point[d]).max(point[d] - bounds[1][d]).max(0.0));
+    dot(outside, outside).sqrt()
+}
+
+/// Bounding box of a face with room for its continuation beyond its edges and for the bulge of a quadratic face.
+fn grown_box(surface: &Surface, face: usize, positions: &[[f64; 3]], room: f64) -> Bounds {
+    let [low, high] = surface.bounding_box(face, positions);
+    let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+    let share = if surface.kind == FaceKind::Quad4 { room } else { 2.5 * room };
+    [low.map(|x| x - share * size), high.map(|x| x + share * size)]
+}
