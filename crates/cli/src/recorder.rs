@@ -228,6 +228,8 @@ impl<'a> Recorder<'a> {
             reaction: &landed.reaction,
             iterations: landed.iterations,
             load_steps: landed.load_steps,
+            contact_multipliers: &landed.contact_multipliers,
+            contact_failure: landed.augmentation.as_ref().and_then(|augmentation| augmentation.failure.as_deref()),
         };
         let clock = self.study.problem.clock;
         let at = |e: pneuflex_post::PostError| format!("results at {}: {e}", clock.words(landed.time));

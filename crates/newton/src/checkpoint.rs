@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::history::Timing;
+use crate::history::{Augmentation, Timing};
 
 /// An accepted load step and the path's memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +34,12 @@ pub struct Checkpoint {
     pub first_rate: Option<f64>,
     /// Tangent whose factor predicts the next step.
     pub linearisation: Option<Linearisation>,
+    /// Multipliers of the contact points, MPa; empty for a plain penalty.
+    #[serde(default)]
+    pub contact_multipliers: Vec<f64>,
+    /// How the contact's multipliers came about, if the state is a requested one.
+    #[serde(default)]
+    pub augmentation: Option<Augmentation>,
 }
 
 /// The way to a requested time.
@@ -84,6 +90,8 @@ impl Checkpoint {
     pub fn check(&self, num_nodes: usize, num_contact_points: usize, border_len: usize) -> Result<(), Misfit> {
         let field = |values: &[[f64; 3]]| values.len() == num_nodes && is_finite(values.as_flattened());
         let fits = field(&self.displacement) && self.multipliers.len() == 3 * num_nodes && is_finite(&self.multipliers);
+        let lambda = &self.contact_multipliers;
+        let fits = fits && (lambda.is_empty() || lambda.len() == num_contact_points) && is_finite(lambda);
         let beside = |border: &[f64]| border.len() == border_len && is_finite(border);
         let times = [self.time, self.approach.step];
         if !fits || !beside(&self.border) || !is_finite(&times) || self.time <= 0.0 || self.approach.step <= 0.0 {

@@ -49,6 +49,21 @@ pub struct LandedState {
     pub contact_points: usize,
     /// Pressure in every cavity above the atmosphere's, MPa.
     pub cavity_pressures: Vec<f64>,
+    /// Multipliers of all contact points, MPa; empty for a plain penalty.
+    pub contact_multipliers: Vec<f64>,
+    /// How the contact's multipliers came about; `None` for a plain penalty.
+    pub augmentation: Option<Augmentation>,
+}
+
+/// The contact of a state as an augmented Lagrangian left it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Augmentation {
+    /// How often the multipliers were brought up to date.
+    pub count: usize,
+    /// Largest distance |d| of a contact point that carries traction, mm.
+    pub distance: f64,
+    /// Why it is above the tolerance, if it is.
+    pub failure: Option<String>,
 }
 
 /// What an observer is told while a path is followed.

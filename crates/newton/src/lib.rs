@@ -4,11 +4,13 @@
 //! * `loads`: its loads; [`border`]: the unknowns beside the displacements.
 //! * [`warp`]: corrections bent into rotations.
 //! * [`path`]: Newton's method at one load and the stepping around it.
+//! * [`augmentation`]: the contact's multipliers at the requested loads.
 //! * [`checkpoint`]: what is needed to go on after a kill.
 //! * [`history`]: what a run reports.
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
+pub mod augmentation;
 pub mod border;
 pub mod checkpoint;
 pub mod history;
@@ -18,6 +20,6 @@ pub mod system;
 pub mod warp;
 
 pub use checkpoint::Checkpoint;
-pub use history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
+pub use history::{Augmentation, Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
 pub use path::{Path, ResumeError, follow_path};
 pub use system::{Correction, SetupError, System};

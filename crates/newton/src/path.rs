@@ -8,7 +8,9 @@ use pneuflex_factor::Parallelism;
 use pneuflex_model::{Clock, Problem, Solver};
 
 use crate::checkpoint::{Approach, Checkpoint, Misfit};
-use crate::history::{Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
+use crate::history::{
+    Augmentation, Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing,
+};
 use crate::system::{AssembleError, Correction, SetupError, System, extent_of};
 use crate::warp::Extent;
 
@@ -105,6 +107,9 @@ pub struct Path<'a> {
     /// Seconds spent before this path was resumed.
     spent: Timing,
     stop: Option<&'a AtomicBool>,
+    /// Largest distance of contact points asked for at requested loads, mm.
+    penetration_tolerance: Option<f64>,
+    augmentation: Option<Augmentation>,
 }
 
 /// How well a load step is to be solved.
@@ -178,6 +183,8 @@ impl<'a> Path<'a> {
             first_rate: None,
             spent: Timing::default(),
             stop: None,
+            penetration_tolerance: problem.contact.penetration_tolerance,
+            augmentation: None,
         })
     }
 
@@ -188,6 +195,8 @@ impl<'a> Path<'a> {
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), ResumeError> {
         checkpoint.check(self.state.displacement.len(), self.system.num_contact_points(), self.state.border.len())?;
         self.has_factor = checkpoint.linearisation.is_some();
+        self.system.set_contact_multipliers(checkpoint.contact_multipliers);
+        self.augmentation = checkpoint.augmentation;
         if let Some(linearisation) = checkpoint.linearisation {
             self.system.restore(linearisation)?;
         }
@@ -266,6 +275,12 @@ impl<'a> Path<'a> {
                         approach.step = (2.0 * (wanted - start)).min(self.settings.max_step);
                     }
                     self.state = converged.state;
+                    self.augmentation = None;
+                    if let Some(tolerance) = self.penetration_tolerance.filter(|_| attempted == time)
+                        && let Err(cause) = self.augment(tolerance)
+                    {
+                        return Err(self.failure(attempted, cause));
+                    }
                     let checkpoint = self.checkpoint(approach);
                     (self.observer)(Event::StepAccepted(&checkpoint));
                 }
@@ -360,6 +375,8 @@ impl<'a> Path<'a> {
             approach,
             first_rate: self.first_rate,
             linearisation: self.system.linearisation().filter(|_| self.has_factor).cloned(),
+            contact_multipliers: self.system.contact_multipliers().to_vec(),
+            augmentation: self.augmentation.clone(),
         }
     }
 
@@ -375,6 +392,9 @@ impl<'a> Path<'a> {
         self.system.carry_pressures(&start.0);
         let converged = self.newton(self.state.time, start, Some(held_displacement.to_vec()), Target::Requested)?;
         self.state = converged.state;
+        if let Some(tolerance) = self.penetration_tolerance {
+            self.augment(tolerance)?;
+        }
         Ok(self.land(self.iterations - before, 1))
     }
 
@@ -387,7 +407,22 @@ impl<'a> Path<'a> {
             load_steps,
             contact_points: self.state.contact_points,
             cavity_pressures: self.system.cavity_pressures(self.state.time, &self.state.border),
+            contact_multipliers: self.system.contact_multipliers().to_vec(),
+            augmentation: self.augmentation.clone(),
         }
+    }
+
+    /// Solves the present equilibrium to the tolerances once more, with the contact's present multipliers.
+    pub(crate) fn solve_again(&mut self) -> Result<(), Cause> {
+        self.has_factor = false;
+        let start = (self.state.displacement.clone(), self.state.border.clone());
+        self.system.carry_pressures(&start.0);
+        self.state = self.newton(self.state.time, start, None, Target::Requested)?.state;
+        Ok(())
+    }
+
+    pub(crate) fn set_augmentation(&mut self, augmentation: Augmentation) {
+        self.augmentation = Some(augmentation);
     }
 
     /// Changes of displacement that the supports prescribe from a displacement to a time, mm; `None` if there are none.

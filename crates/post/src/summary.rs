@@ -25,6 +25,10 @@ pub struct State<'a> {
     pub iterations: usize,
     /// Load steps accepted since the previous landing.
     pub load_steps: usize,
+    /// Multipliers of the contact's points, MPa; none for a plain penalty.
+    pub contact_multipliers: &'a [f64],
+    /// Why the contact points are further from their partners than asked for, if they are.
+    pub contact_failure: Option<&'a str>,
 }
 
 /// One landed pressure. The names of the fields are the keys of `summary.json`, a contract.
@@ -150,7 +154,7 @@ pub fn describe(
 ) -> Result<Described, PostError> {
     let u = state.displacement;
     let stress = stress::recover(problem, u)?;
-    let contact = contact::evaluate(problem, u)?;
+    let contact = contact::evaluate_at(problem, u, state.time, state.contact_multipliers)?;
     let penetration = penetration::measure(problem, u)?;
     let largest = stress.largest_von_mises();
     let is_model = problem.clock == Clock::Steps;
@@ -183,7 +187,7 @@ pub fn describe(
         reactions: if is_model { reactions(problem, state)? } else { BTreeMap::new() },
         strain_energy_mj: stress.strain_energy,
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
-        warning: material_warning(problem, &stress),
+        warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })
@@ -201,6 +205,15 @@ fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f
     let of =
         |support: &Support| Ok((support.name.clone(), measures::reaction(problem, state.reaction, &support.name)?));
     problem.supports.iter().map(of).collect()
+}
+
+fn contact_warning(failure: &str) -> String {
+    format!("walls press into each other by more than contact.penetration_tolerance: {failure}")
+}
+
+fn joined(warnings: [Option<String>; 2]) -> Option<String> {
+    let all: Vec<String> = warnings.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
@@ -247,6 +260,8 @@ mod tests {
             reaction: &zero,
             iterations: 3,
             load_steps: 1,
+            contact_multipliers: &[],
+            contact_failure: None,
         };
         let described = describe(&problem, &sites, &state).unwrap();
         let summary = &described.summary;
@@ -277,6 +292,8 @@ mod tests {
             reaction: &u,
             iterations: 3,
             load_steps: 1,
+            contact_multipliers: &[],
+            contact_failure: None,
         };
         let summary = describe(&problem, &BTreeMap::new(), &state).unwrap().summary;
         assert!((summary.max_invariant_minus_3 - (62.0 + 1.0 / 64.0)).abs() < 1e-9);

@@ -37,7 +37,7 @@ const TABLES: [(&str, &str); 7] = [
 ];
 
 /// Keys in the order of the page, their meaning and unit.
-const KEYS: [(&str, &str, &str); 46] = [
+const KEYS: [(&str, &str, &str); 49] = [
     ("actuator.chambers", "number of chambers", ""),
     ("actuator.chamber_length", "outer length of one chamber", "mm"),
     ("actuator.cavity_length", "length of one cavity", "mm"),
@@ -68,6 +68,9 @@ const KEYS: [(&str, &str, &str); 46] = [
     ("material.density", "density", "g/cm³"),
     ("contact.method", "where contact is looked for", ""),
     ("contact.stiffness", "penalty stiffness", "N/mm³"),
+    ("contact.two_pass", "both walls are the slave in turn", ""),
+    ("contact.self_contact", "outer surface against itself", ""),
+    ("contact.penetration_tolerance", "largest depth of a contact point", "mm"),
     ("load.pressure_kpa", "pressures", "kPa"),
     ("mesh.resolution", "resolution", ""),
     ("mesh.element", "element", ""),

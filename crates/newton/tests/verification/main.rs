@@ -4,6 +4,7 @@
 //! * [`snapshots`]: what the two standard cases come out at, production and reference alike.
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
+//! * [`obstacles`]: rigid obstacles, and contact without penetration.
 //! * [`penetration`]: what the two contact variants let through.
 
 // Helpers count as tests here.
@@ -13,6 +14,7 @@ mod balance;
 mod cross_check;
 mod fixtures;
 mod loads;
+mod obstacles;
 mod penetration;
 mod resume;
 mod snapshots;

@@ -1,0 +1,46 @@
+//! Contact without penetration: the augmented Lagrangian at a requested load.
+//!
+//! A penalty k leaves the depth p/k under the pressure p. With multipliers λ of the contact points the energy of a point is
+//! ½ k ⟨λ/k − d⟩² and its traction ⟨λ − k d⟩; λ ← ⟨λ − k d⟩ at an equilibrium makes the traction there the next one's without any
+//! depth (Uzawa's iteration; Wriggers 2006, *Computational Contact Mechanics*, §10.2; Simo & Laursen 1992, *Comput. Struct.* 42). The
+//! multipliers stay with their points on the way to the next load.
+
+use crate::history::{Augmentation, Cause};
+use crate::path::Path;
+
+/// Multipliers are brought up to date at most so often at one load.
+pub const MOST_AUGMENTATIONS: usize = 30;
+
+impl Path<'_> {
+    /// Brings the multipliers up to date and solves again until no contact point that carries traction is further than the
+    /// tolerance from its partner. Where that fails, the last equilibrium stays with the reason.
+    ///
+    /// # Errors
+    /// [`Cause::Interrupted`]; the state before the last update stays.
+    pub(crate) fn augment(&mut self, tolerance: f64) -> Result<(), Cause> {
+        let mut failure = None;
+        for count in 0..=MOST_AUGMENTATIONS {
+            let u = self.displacement().to_vec();
+            let (tractions, distance) = self.system().contact_tractions(&u);
+            if distance > tolerance && count == MOST_AUGMENTATIONS {
+                failure = Some(format!("not within {tolerance} mm after {count} updates of the multipliers"));
+            }
+            if distance <= tolerance || failure.is_some() {
+                self.set_augmentation(Augmentation { count, distance, failure });
+                return Ok(());
+            }
+            let before = self.system().contact_multipliers().to_vec();
+            self.system().set_contact_multipliers(tractions);
+            if let Err(cause) = self.solve_again() {
+                self.system().set_contact_multipliers(before);
+                if cause == Cause::Interrupted {
+                    return Err(cause);
+                }
+                let failure = Some(format!("the equilibrium after update {} was not found: {cause}", count + 1));
+                self.set_augmentation(Augmentation { count, distance, failure });
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}

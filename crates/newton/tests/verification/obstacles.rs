@@ -1,0 +1,146 @@
+//! Contact with obstacles, with a surface's own other side, and without penetration.
+
+use pneuflex_contact::ContactModel;
+use pneuflex_mesh::lattice::Lattice;
+use pneuflex_model::{
+    Clock, ContactMethod, Curve, Formulation, Invariant, Law, Material, Motion, Obstacle, Problem, Shape, Solver,
+    Support,
+};
+use pneuflex_newton::{LandedState, Path};
+
+use crate::fixtures::{FORMULATIONS, coarse_chambers, difference, follow, nodal, sum};
+
+const SIDES: [f64; 3] = [2.0, 2.0, 1.0];
+const STIFFNESS: f64 = 20.0;
+const WAY: f64 = 0.2;
+
+fn settings() -> Solver {
+    Solver { tolerance: 1e-9, first_step: 0.25, max_step: 0.25, min_step: 1e-3, ..Solver::default() }
+}
+
+/// A block on three planes of symmetry that a plane from above compresses.
+fn pressed_block(formulation: Formulation) -> Problem {
+    let mesh = Lattice::uniform([0.0; 3], SIDES, [2, 2, 1]).mesh_all(formulation.element_kind());
+    let facets = mesh.select_facets(|x| (x[2] - SIDES[2]).abs() < 1e-9);
+    let mut problem = Problem::body(mesh, formulation, Material { bulk_modulus: 1e4, ..Material::default() });
+    for axis in 0..3 {
+        let nodes = problem.mesh.select_nodes(|x| x[axis].abs() < 1e-9);
+        let axes = std::array::from_fn(|k| k == axis);
+        problem.supports.push(Support { name: format!("symmetry {axis}"), nodes, axes, motion: None });
+    }
+    let shape = Shape::Plane { point: [0.3, 0.4, SIDES[2]], normal: [0.0, 0.0, -3.0] };
+    let motion = Motion { displacement: [0.0, 0.0, -WAY], curve: Curve::Proportional(1.0) };
+    problem.obstacles =
+        vec![Obstacle { name: "press".into(), shape, facets, stiffness: STIFFNESS, motion: Some(motion) }];
+    problem.clock = Clock::Steps;
+    problem
+}
+
+/// Nominal uniaxial stress of the incompressible material, MPa.
+fn nominal(material: &Material, stretch: f64) -> f64 {
+    let Law::Yeoh { c10, c20, c30 } = material.law else { panic!("the default law is Yeoh's") };
+    let x = stretch * stretch + 2.0 / stretch - 3.0;
+    2.0 * (stretch - stretch.powi(-2)) * (c10 + 2.0 * c20 * x + 3.0 * c30 * x * x)
+}
+
+/// Depths of all touching points at the end, mm, and the force that carries the block, N.
+fn depths_and_force(problem: &Problem, state: &LandedState) -> (Vec<f64>, f64) {
+    let mut model = ContactModel::of(problem);
+    model.set_time(state.time);
+    model.set_multipliers(state.contact_multipliers.clone());
+    let positions = sum(&problem.mesh.nodes, &nodal(&state.displacement));
+    let depths = model.search(&positions).iter().flat_map(|b| &b.points).map(|p| -p.distance).collect();
+    let force = problem.supports[2].nodes.iter().map(|&node| state.reaction[3 * node as usize + 2]).sum();
+    (depths, force)
+}
+
+#[test]
+fn a_block_under_a_plane_is_pressed_uniformly_to_the_depth_of_the_pressure() {
+    for formulation in FORMULATIONS {
+        let problem = pressed_block(formulation);
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        let (depths, force) = depths_and_force(&problem, &state);
+        let depth = depths[0];
+        assert_eq!(depths.len(), 16 * problem.obstacles[0].facets.len());
+        assert!(depths.iter().all(|d| (d - depth).abs() < 1e-9), "{formulation}");
+        // Supports carry what the plane presses.
+        let area = SIDES[0] * SIDES[1];
+        assert!((force / (STIFFNESS * depth * area) - 1.0).abs() < 1e-8, "{formulation}: {force}");
+        let expected = -nominal(&problem.material, 1.0 - (WAY - depth) / SIDES[2]) / STIFFNESS;
+        assert!((depth / expected - 1.0).abs() < 2e-3, "{formulation}: {depth} for {expected}");
+    }
+}
+
+#[test]
+fn multipliers_take_the_depth_away() {
+    for formulation in FORMULATIONS {
+        let mut problem = pressed_block(formulation);
+        problem.contact.penetration_tolerance = Some(1e-7);
+        let state = follow(&problem, &[0.5, 1.0], &settings()).remove(1);
+        let augmentation = state.augmentation.clone().unwrap();
+        assert!(augmentation.failure.is_none() && (1..30).contains(&augmentation.count), "{augmentation:?}");
+        let (depths, force) = depths_and_force(&problem, &state);
+        assert!(depths.iter().all(|d| d.abs() <= 1e-7), "{formulation}");
+        let expected = -nominal(&problem.material, 1.0 - WAY / SIDES[2]) * SIDES[0] * SIDES[1];
+        assert!((force / expected - 1.0).abs() < 2e-3, "{formulation}: {force} for {expected}");
+    }
+}
+
+/// The walls of two chambers: depths of some hundredths of a millimetre without multipliers.
+#[test]
+fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
+    let plain = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint);
+    let mut problem = plain.clone();
+    problem.contact.penetration_tolerance = Some(1e-3);
+    let deepest = |problem: &Problem, state: &LandedState| {
+        let positions = sum(&problem.mesh.nodes, &nodal(&state.displacement));
+        let blocks = ContactModel::of(problem).search(&positions);
+        blocks.iter().flat_map(|b| &b.points).fold(0.0, |d: f64, p| d.max(-p.distance))
+    };
+    let settings = Solver { max_step: 8.0, ..Solver::default() };
+    let pressures = [15.0, 25.0, 35.0];
+    let with_penalty = follow(&plain, &pressures, &settings);
+    assert!(deepest(&plain, &with_penalty[2]) > 3e-3);
+
+    let mut checkpoints = Vec::new();
+    let mut observer = |event: pneuflex_newton::Event<'_>| {
+        if let pneuflex_newton::Event::StepAccepted(checkpoint) = event {
+            checkpoints.push(checkpoint.clone());
+        }
+    };
+    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+    let expected = pressures.map(|pressure| path.advance_to(pressure).unwrap());
+    for state in &expected[1..] {
+        let augmentation = state.augmentation.as_ref().unwrap();
+        println!("{} kPa: {augmentation:?}", state.time);
+        assert!(augmentation.failure.is_none() && augmentation.count > 0);
+        assert!(deepest(&problem, state) <= 1e-3);
+    }
+    assert!(checkpoints.iter().any(|c| !pressures.contains(&c.time) && !c.contact_multipliers.is_empty()));
+    for checkpoint in checkpoints {
+        let from = checkpoint.time;
+        let mut observer = |_: pneuflex_newton::Event<'_>| ();
+        let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+        path.resume(checkpoint).unwrap();
+        for (pressure, expected) in pressures.iter().zip(&expected).filter(|(pressure, _)| **pressure >= from) {
+            let found = path.advance_to(*pressure).unwrap();
+            let u = difference(&found.displacement, &expected.displacement);
+            assert!(u < 1e-10, "from {from} to {pressure} kPa: {u:.1e}");
+            let [found, expected] = [&found, expected].map(|state| state.augmentation.as_ref().unwrap());
+            assert_eq!((found.count, &found.failure), (expected.count, &expected.failure));
+            assert!((found.distance - expected.distance).abs() < 1e-10);
+        }
+    }
+}
+
+/// What cannot be reached is said, and the state is the last equilibrium.
+#[test]
+fn a_tolerance_out_of_reach_is_reported() {
+    let mut problem = pressed_block(Formulation::Hex8Q1p0);
+    problem.contact.penetration_tolerance = Some(1e-30);
+    let state = follow(&problem, &[1.0], &settings()).remove(0);
+    let augmentation = state.augmentation.clone().unwrap();
+    assert!(augmentation.failure.is_some() && augmentation.distance > 0.0, "{augmentation:?}");
+    let (depths, _) = depths_and_force(&problem, &state);
+    assert!(depths.iter().all(|d| d.abs() < 1e-6));
+}
