@@ -10,6 +10,10 @@ use crate::pass::{Pass, bulge, point_areas};
 use crate::projection::{dot, face_geometry, sub};
 use crate::surface::Surface;
 
+/// Points nearer than this count as touching, mm: bodies that rest on each other without any pressure hold each other in the tangent.
+/// The traction that this invents, k times as much, is far below every tolerance.
+const TOUCHING: f64 = 1e-9;
+
 /// Slave faces that one task looks at.
 const CHUNK: usize = 32;
 
@@ -188,7 +192,7 @@ impl ContactModel {
 
     /// All touching points at the given node positions, grouped by faces, in a fixed order.
     pub fn search(&self, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
-        let mut blocks = self.face_blocks(positions, |_| 0.0);
+        let mut blocks = self.face_blocks(positions, |_| TOUCHING);
         blocks.par_extend(self.obstacles.par_iter().enumerate().flat_map_iter(|(number, rigid)| {
             (0..rigid.surface.num_faces()).filter_map(move |face| self.obstacle_block(number, rigid, face, positions))
         }));
@@ -248,14 +252,14 @@ impl ContactModel {
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
         let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + bulge(kind)) * radius;
-        if nearest > most_shift {
+        if nearest > TOUCHING + most_shift {
             return None;
         }
         let touching = rule.iter().enumerate().filter_map(|(index, &(slave_xi, _))| {
             let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
             let distance = distance(&obstacle.shape, *offset, position).value;
             let shift = self.shift(first_point + first + index, obstacle.stiffness);
-            (distance < shift).then(|| ContactPoint {
+            (distance < TOUCHING + shift).then(|| ContactPoint {
                 slave_xi,
                 area: areas[first + index],
                 master_xi: [0.0; 2],

@@ -29,11 +29,13 @@ pub struct Warp {
 }
 
 impl Warp {
-    /// Factorises the Laplacians for a mesh with the given held degrees of freedom (3 · node + axis).
+    /// Factorises the Laplacians for a mesh with the given held degrees of freedom (3 · node + axis). Where a part of the body is not
+    /// held along an axis, its first node goes along that axis where the linear correction puts it.
     ///
     /// # Errors
-    /// If a Laplacian is singular: some axis is not held anywhere on a part of the body.
+    /// If a Laplacian is singular, which that of a mesh without loose nodes is not.
     pub fn new(mesh: &Arc<Mesh>, held: &[bool], parallelism: Parallelism) -> Result<Self, FactorError> {
+        let held = &with_a_held_node_in_every_part(mesh, held);
         let points = tabulate(mesh.kind, quadrature::volume(mesh.kind));
         let pattern = BlockPattern::from_cliques(mesh.num_nodes(), (0..mesh.num_elements()).map(|e| mesh.element(e)));
         let values = laplacian(mesh, &points, &pattern);
@@ -152,6 +154,42 @@ impl Warp {
         }
         extent
     }
+}
+
+/// Marks a node of every part of a mesh and every axis along which none of its nodes is held.
+fn with_a_held_node_in_every_part(mesh: &Mesh, held: &[bool]) -> Vec<bool> {
+    let mut held = held.to_vec();
+    let mut part: Vec<usize> = (0..mesh.num_nodes()).collect();
+    // Every node's root is the smallest node of its part that is known so far.
+    fn root(part: &mut [usize], mut node: usize) -> usize {
+        while part[node] != node {
+            part[node] = part[part[node]];
+            node = part[node];
+        }
+        node
+    }
+    for element in 0..mesh.num_elements() {
+        let nodes = mesh.element(element);
+        for &node in &nodes[1..] {
+            let (a, b) = (root(&mut part, nodes[0] as usize), root(&mut part, node as usize));
+            part[a.max(b)] = a.min(b);
+        }
+    }
+    let mut is_held = vec![[false; 3]; mesh.num_nodes()];
+    for node in 0..mesh.num_nodes() {
+        let first = root(&mut part, node);
+        for axis in 0..3 {
+            is_held[first][axis] |= held[3 * node + axis];
+        }
+    }
+    for node in 0..mesh.num_nodes() {
+        if part[node] == node {
+            for axis in 0..3 {
+                held[3 * node + axis] |= !is_held[node][axis];
+            }
+        }
+    }
+    held
 }
 
 /// ∫ ∇N_a·∇N_b dV.

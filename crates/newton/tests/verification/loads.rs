@@ -4,7 +4,9 @@ use pneuflex_assembly::dead::traction_forces;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::load::Load;
-use pneuflex_model::{Clock, Curve, Formulation, Law, LinearEquation, Material, Motion, Problem, Solver, Support};
+use pneuflex_model::{
+    Clock, Contact, ContactPair, Curve, Formulation, Law, LinearEquation, Material, Motion, Problem, Solver, Support,
+};
 use pneuflex_newton::LandedState;
 
 use crate::fixtures::{FORMULATIONS, follow, resultant};
@@ -165,5 +167,44 @@ fn equations_prescribe_means() {
         assert!((mean - expected).abs() < 1e-9, "{mean}");
         let [x, ..] = resultant(&state.reaction);
         assert!(x < -0.01, "the equation pulls: {x}");
+    }
+}
+
+/// Nothing but the contact holds the upper block: it starts in touch, without pressure.
+#[test]
+fn a_block_rests_on_another() {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet10] {
+        let side =
+            |z: f64| Lattice::uniform([0.0, 0.0, z], [1.0, 1.0, z + 1.0], [2; 3]).mesh_all(formulation.element_kind());
+        let (mut mesh, upper) = (side(0.0), side(1.0));
+        let [nodes, elements] = [mesh.num_nodes() as u32, mesh.num_elements() as u32];
+        let between = |mesh: &Mesh| mesh.select_facets(|x| (x[2] - 1.0).abs() < 1e-9);
+        let (below, above) = (between(&mesh), between(&upper));
+        mesh.nodes.extend(&upper.nodes);
+        mesh.connectivity.extend(upper.connectivity.iter().map(|node| node + nodes));
+        let shifted = |facets: Vec<Facet>| {
+            facets.into_iter().map(|facet| Facet { element: facet.element + elements, ..facet }).collect::<Vec<_>>()
+        };
+        let top = shifted(upper.select_facets(|x| (x[2] - 2.0).abs() < 1e-9));
+        let mut problem = Problem::body(mesh, formulation, Material::default());
+        problem.clock = Clock::Steps;
+        for axis in 0..3 {
+            hold(&mut problem, axis, 0.0, None);
+        }
+        let stiffness = 50.0;
+        problem.contact = Contact { stiffness, ..Contact::default() };
+        problem.contact_pairs.push(ContactPair::new("between", shifted(above), below));
+        let pressure = 0.02;
+        problem.loads.push(Load::Pressure { facets: top, curve: Curve::Proportional(pressure) });
+        let state = follow(&problem, &[1.0], &settings()).remove(0);
+        let at = |z: f64, first: u32| {
+            let is_it = |n: &u32| *n >= first && problem.mesh.nodes[*n as usize] == [0.0, 0.0, z];
+            let node = (0..problem.mesh.num_nodes() as u32).find(is_it).unwrap() as usize;
+            z + state.displacement[3 * node + 2]
+        };
+        let depth = at(1.0, 0) - at(1.0, nodes);
+        assert!((depth * stiffness / pressure - 1.0).abs() < 0.05, "{formulation}: {depth} mm");
+        let [.., z] = resultant(&state.reaction);
+        assert!((z / pressure - 1.0).abs() < 0.05, "{formulation}: {z} N");
     }
 }
