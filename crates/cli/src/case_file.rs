@@ -209,7 +209,7 @@ impl Sources {
     }
 }
 
-/// Whether a file describes a model rather than an actuator with nothing but air in it: a table [model], or times instead of pressures.
+/// Whether a file describes a model rather than an actuator with nothing but air in it: a table `model`, or times instead of pressures.
 /// A file that cannot be read is neither.
 pub fn is_model(path: &Path) -> bool {
     let Some(text) = read(path).ok() else { return false };

@@ -11,9 +11,6 @@ use crate::system::extent_of;
 /// body, small enough to lose no digits.
 const EQUATION_STIFFNESS: f64 = 10.0;
 
-/// t/mm³ per g/cm³.
-const TONNES: f64 = 1e-9;
-
 /// Loads and linear equations.
 pub struct Loads {
     /// Cavities, then other pressures.
@@ -58,7 +55,9 @@ impl Loads {
             }
         }
         let element_size = (mesh.volume() / mesh.num_elements().max(1) as f64).cbrt();
-        let stiffness = EQUATION_STIFFNESS * problem.material.shear_modulus() * element_size;
+        let (materials, _) = problem.materials();
+        let stiffest = materials.iter().map(|material| material.shear_modulus()).fold(0.0, f64::max);
+        let stiffness = EQUATION_STIFFNESS * stiffest * element_size;
         Ok(Self {
             num_cavities: problem.cavities.len(),
             inflated,
@@ -187,7 +186,7 @@ fn dead_load(problem: &Problem, load: &Load) -> Option<(Vec<[f64; 3]>, Curve)> {
         }
         Load::Gravity { elements, acceleration, curve } => {
             let (materials, of_element) = problem.materials();
-            let density = |element: u32| TONNES * materials[usize::from(of_element[element as usize])].density;
+            let density = |element: u32| materials[usize::from(of_element[element as usize])].density_in_t_per_mm3();
             let forces = match elements {
                 Some(elements) => dead::weight_forces(mesh, elements.iter().copied(), density, *acceleration),
                 None => dead::weight_forces(mesh, 0..mesh.num_elements() as u32, density, *acceleration),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Cavity, Clock, MPA_PER_KPA, Probe, Problem, Support};
+use pneuflex_model::{Cavity, Clock, MPA_PER_KPA, Probe, Problem};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
@@ -201,10 +201,20 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
     problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
 }
 
+/// Sums by name; of every node only what acts along the axes that the support holds.
 fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f64; 3]>, PostError> {
-    let of =
-        |support: &Support| Ok((support.name.clone(), measures::reaction(problem, state.reaction, &support.name)?));
-    problem.supports.iter().map(of).collect()
+    check("reaction", state.reaction, problem.num_dofs())?;
+    let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
+    for support in &problem.supports {
+        let sum = sums.entry(support.name.clone()).or_default();
+        for &node in &support.nodes {
+            let reaction = at_node(state.reaction, node);
+            for axis in (0..3).filter(|&axis| support.axes[axis]) {
+                sum[axis] += reaction[axis];
+            }
+        }
+    }
+    Ok(sums)
 }
 
 fn contact_warning(failure: &str) -> String {
