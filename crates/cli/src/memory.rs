@@ -157,6 +157,7 @@ mod tests {
             material: Material::default(),
             contact: Contact::default(),
             load: Load { pressure_kpa: vec![1.0] },
+            obstacles: Vec::new(),
             probes: Vec::new(),
             solver: Solver::default(),
             output: Output::default(),

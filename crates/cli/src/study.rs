@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_deck::DeckError;
 use pneuflex_model::model_file::{Model, Source};
-use pneuflex_model::{Case, Formulation, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, Formulation, Probe, Problem, Solver};
+use pneuflex_post::contact;
 
 use crate::case_file::{CaseFile, Written, is_model};
 use crate::error::InputError;
@@ -17,6 +18,9 @@ pub const INPUT: &str = "input";
 
 /// Names of included files as a deck has them, in the order of their copies.
 pub const INCLUDED: &str = "included.json";
+
+/// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
+const MOST_OVERLAP: f64 = 1e-9;
 
 /// Bytes that a deck or a mesh may have.
 const MOST_BYTES: u64 = 2_000_000_000;
@@ -91,6 +95,9 @@ impl Study {
     fn of_case(file: CaseFile, force: bool) -> Result<Self, Vec<InputError>> {
         let warning = Estimate::of(&file.case).guard(force)?;
         let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
+        if let Some(overlap) = overlap(&problem) {
+            return Err(vec![file.out_of_range(&overlap)]);
+        }
         let notes = warning.into_iter().map(|warning| format!("warning: {warning}")).collect();
         let path = file.path().to_owned();
         Ok(Self { notes, ..Self::of_actuator(&path, file.case, problem) })
@@ -115,7 +122,7 @@ impl Study {
         path: &Path,
         model: Model,
         force: bool,
-        say: &dyn Fn(pneuflex_model::CaseError) -> InputError,
+        say: &dyn Fn(CaseError) -> InputError,
     ) -> Result<Self, Vec<InputError>> {
         let mut notes = Vec::new();
         let mut warnings = Vec::new();
@@ -151,6 +158,9 @@ impl Study {
         let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
         let study =
             model.study(body, schedule).map_err(|errors| errors.into_iter().map(say).collect::<Vec<InputError>>())?;
+        if let Some(overlap) = overlap(&study.problem) {
+            return Err(vec![say(overlap)]);
+        }
         Ok(Self {
             title,
             problem: study.problem,
@@ -196,6 +206,15 @@ struct Body {
     schedule: Option<(Vec<f64>, f64)>,
     notes: Vec<String>,
     files: Files,
+}
+
+/// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
+fn overlap(problem: &Problem) -> Option<CaseError> {
+    let at_rest = contact::evaluate(problem, &vec![0.0; problem.num_dofs()]).ok()?;
+    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
+    let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
+    let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
+    Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
 }
 
 fn is_deck(path: &Path) -> bool {

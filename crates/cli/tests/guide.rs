@@ -191,12 +191,42 @@ impl Row {
 
     /// `--set` with a value.
     fn set(&self, value: &str) -> String {
+        if let Some(key) = self.key.strip_prefix("obstacle.") {
+            return set_obstacle(key, value);
+        }
         match self.key.strip_prefix("probe.") {
             Some("name") => format!("probe=[{{ name = {value}, at = [0, 0, 0] }}]"),
             Some(other) => format!("probe=[{{ name = \"a\", {other} = {value} }}]"),
             None => format!("{}={value}", self.key),
         }
     }
+}
+
+/// `--set` with an obstacle that has a key.
+fn set_obstacle(key: &str, value: &str) -> String {
+    let is_word =
+        value.chars().all(|c| c.is_ascii_alphabetic() || c == '_') && !["true", "false", "nan"].contains(&value);
+    let value = if is_word { format!("\"{value}\"") } else { value.to_owned() };
+    let shape = match key {
+        "shape" => value.trim_matches('"').to_owned(),
+        "point" | "normal" => "plane".into(),
+        "axis" => "cylinder".into(),
+        "size" | "edge_radius" => "cuboid".into(),
+        _ => "sphere".into(),
+    };
+    let needed: &[(&str, &str)] = match shape.as_str() {
+        "plane" => &[("point", "[0, 0, -50]"), ("normal", "[0, 0, 1]")],
+        "cylinder" => &[("point", "[0, 0, -50]"), ("axis", "[0, 1, 0]"), ("radius", "1")],
+        "cuboid" => &[("centre", "[0, 0, -50]"), ("size", "[1, 1, 1]")],
+        // A hollow sphere must be large enough for the actuator inside of it.
+        _ if key == "hollow" && value == "true" => &[("centre", "[0, 0, 0]"), ("radius", "500")],
+        _ => &[("centre", "[0, 0, -50]"), ("radius", "1")],
+    };
+    let shape = format!("\"{shape}\"");
+    let fixed = [&[("name", "\"a\""), ("shape", &shape)], needed].concat();
+    let mut entries: Vec<String> = fixed.iter().filter(|(k, _)| *k != key).map(|(k, v)| format!("{k} = {v}")).collect();
+    entries.push(format!("{key} = {value}"));
+    format!("obstacle=[{{ {} }}]", entries.join(", "))
 }
 
 /// The reference's tables.
@@ -231,7 +261,8 @@ fn the_reference_has_exactly_the_keys_of_the_program() {
     let scratch = with_least_case("guide-keys");
     let mut known = Vec::new();
     for table in known_keys(&scratch, "qqq=1") {
-        let set = if table == "probe" { "probe=[{ qqq = 1 }]".to_owned() } else { format!("{table}.qqq=1") };
+        let is_list = ["probe", "obstacle"].contains(&table.as_str());
+        let set = if is_list { format!("{table}=[{{ qqq = 1 }}]") } else { format!("{table}.qqq=1") };
         if table == "title" {
             known.push(table);
             continue;
@@ -268,7 +299,7 @@ fn the_reference_has_the_program_s_defaults() {
         Some(value)
     };
     let mut compared = 0;
-    for row in rows().iter().filter(|row| !row.key.starts_with("probe.")) {
+    for row in rows().iter().filter(|row| !row.key.starts_with("probe.") && !row.key.starts_with("obstacle.")) {
         assert_eq!(row.default == "required", find(&least, &row.key).is_some(), "{}", row.key);
         let Some(default) = row.default.strip_prefix('`').and_then(|d| d.strip_suffix('`')) else { continue };
         if row.key == "mesh.resolution" {

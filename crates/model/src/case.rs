@@ -9,6 +9,7 @@ use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::material::Material;
+use crate::obstacle_table::{self, ObstacleTable};
 use crate::written::Written;
 
 /// A whole case file.
@@ -25,6 +26,9 @@ pub struct Case {
     pub material: Material,
     /// Contact between neighbouring chambers.
     pub contact: Contact,
+    /// Rigid bodies in the way.
+    #[serde(rename = "obstacle", skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleTable>,
     /// Pressures to land on.
     pub load: Load,
     /// Points whose displacement is reported.
@@ -109,19 +113,13 @@ pub struct Contact {
     /// Penalty stiffness k, N/mm³.
     pub stiffness: f64,
     /// Whether both walls of a gap are the slave in turn, with half the weight each.
-    #[serde(skip_serializing_if = "is_false")]
     pub two_pass: bool,
     /// Whether the outer surface is also kept from passing through itself elsewhere than in the gaps.
-    #[serde(skip_serializing_if = "is_false")]
     pub self_contact: bool,
     /// Largest penetration of a contact point at the requested pressures, mm: there the contact is solved by an augmented Lagrangian.
     /// `None` for the penalty alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub penetration_tolerance: Option<f64>,
-}
-
-fn is_false(value: &bool) -> bool {
-    !value
 }
 
 /// Where contact is looked for (theory §5).
@@ -135,6 +133,9 @@ pub enum ContactMethod {
     /// 4 × 4 Gauss points of a slave face against their closest points on the master surface.
     MultiPoint,
 }
+
+/// Sets of an actuator's faces that may touch an obstacle; the first one if nothing is said.
+const FACES: [&str; 3] = ["outer", "bottom", "end_face"];
 
 /// Pressures to land on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -418,6 +419,17 @@ impl Case {
         {
             if is_asked && is_single {
                 found.add(key, &true, "is for contact.method = \"multi-point\" only");
+            }
+        }
+        obstacle_table::check(&self.obstacles, &mut found);
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            if let Some(faces) = obstacle.faces.as_ref().filter(|faces| !FACES.contains(&faces.as_str())) {
+                found.add(&format!("obstacle[{i}].faces"), faces, &format!("must be one of {}", FACES.join(", ")));
+            }
+            let moves = [("displacement", obstacle.displacement.is_some()), ("factor", obstacle.factor.is_some())];
+            for (key, _) in moves.into_iter().filter(|(_, is_given)| *is_given) {
+                let allowed = "is for model files: obstacles of an actuator stay where they are";
+                found.add(&format!("obstacle[{i}].{key}"), &"something", allowed);
             }
         }
         self.check_load_and_probes(&mut found);

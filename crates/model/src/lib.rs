@@ -15,6 +15,7 @@ pub mod load;
 pub mod material;
 pub mod model_file;
 pub mod obstacle;
+pub mod obstacle_table;
 pub mod problem;
 mod written;
 
@@ -24,6 +25,7 @@ pub use case::{
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};
 pub use material::{Invariant, Law, Material, OgdenTerm, Volumetric};
 pub use obstacle::{Obstacle, Shape};
+pub use obstacle_table::{ObstacleTable, ShapeName};
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 
 /// MPa per kPa.

@@ -166,13 +166,19 @@ impl Problem {
     /// A value out of range, see [`Case::validate`].
     pub fn from_case(case: &Case) -> Result<Self, CaseError> {
         case.validate()?;
-        Ok(Self::from_actuator(
+        let mut problem = Self::from_actuator(
             &case.actuator,
             &case.mesh.mesh_size(&case.actuator),
             case.mesh.formulation(),
             case.material.clone(),
             case.contact.clone(),
-        )?)
+        )?;
+        let obstacles = case.obstacles.iter().filter_map(|table| {
+            let faces = table.faces.as_deref().unwrap_or("outer");
+            table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None)
+        });
+        problem.obstacles = obstacles.collect();
+        Ok(problem)
     }
 
     /// The same from its parts, without a case file.

@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use crate::case::{Case, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
 use crate::material::Material;
+use crate::obstacle_table::ObstacleTable;
 
 /// [`Case`] with such keys left open.
 #[derive(Deserialize)]
@@ -19,6 +20,8 @@ pub struct Written {
     material: Material,
     #[serde(default)]
     contact: WrittenContact,
+    #[serde(default, rename = "obstacle")]
+    obstacles: Vec<ObstacleTable>,
     load: Load,
     #[serde(default, rename = "probe")]
     probes: Vec<Probe>,
@@ -72,12 +75,16 @@ impl Default for WrittenContact {
 
 impl From<Written> for Case {
     fn from(written: Written) -> Self {
-        let Written { title, actuator, mesh, material, contact, load, probes, solver, output } = written;
+        let Written { title, actuator, mesh, material, contact, mut obstacles, load, probes, solver, output } = written;
         let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.shear_modulus(), &actuator));
         let min_step = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let (first_step, max_step) = (first_step_kpa, max_step_kpa);
         let solver = Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, min_step };
+        for obstacle in &mut obstacles {
+            obstacle.stiffness.get_or_insert(stiffness);
+            obstacle.faces.get_or_insert_with(|| "outer".into());
+        }
         let WrittenContact { method, two_pass, self_contact, penetration_tolerance, .. } = contact;
         Self {
             title,
@@ -85,6 +92,7 @@ impl From<Written> for Case {
             material,
             contact: Contact { method, stiffness, two_pass, self_contact, penetration_tolerance },
             actuator,
+            obstacles,
             load,
             probes,
             solver,

@@ -70,6 +70,9 @@ pub struct StepSummary {
     /// Sum of the reactions of every support of a model, N, by name; left out for actuators.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub reactions: BTreeMap<String, [f64; 3]>,
+    /// What the modelled body does to every obstacle, by name; left out if there is none.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub obstacles: BTreeMap<String, ObstacleSummary>,
     /// Strain energy of the modelled body, mJ, relative to the undeformed state; with the `full` invariant that state is
     /// not the one of least energy, and the number may be negative.
     pub strain_energy_mj: f64,
@@ -88,6 +91,36 @@ pub struct CavitySummary {
     /// Volume of what is modelled of it, mm³; left out for an open one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume_mm3: Option<f64>,
+}
+
+/// What the modelled body does to an obstacle at one landed pressure; the other half of a half model does the same, mirrored.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObstacleSummary {
+    /// Force on the obstacle, N.
+    pub force_n: [f64; 3],
+    /// Moment of that force about `about_mm`, N·mm.
+    pub moment_nmm: [f64; 3],
+    /// The obstacle's centre, or the given point of a plane or an axis, where it is now, mm.
+    pub about_mm: [f64; 3],
+    /// Contact points that carry traction.
+    pub points_active: usize,
+    /// Reference area of these points, mm².
+    pub area_mm2: f64,
+    /// Largest depth of a contact point, mm.
+    pub max_penetration_mm: f64,
+}
+
+impl From<&contact::ObstacleForce> for ObstacleSummary {
+    fn from(found: &contact::ObstacleForce) -> Self {
+        Self {
+            force_n: found.force,
+            moment_nmm: found.moment,
+            about_mm: found.about,
+            points_active: found.points_active,
+            area_mm2: found.area_mm2,
+            max_penetration_mm: found.max_penetration_mm,
+        }
+    }
 }
 
 /// Contact at one landed pressure.
@@ -185,6 +218,7 @@ pub fn describe(
         cavities: if is_model { cavities(problem, state)? } else { BTreeMap::new() },
         reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
         reactions: if is_model { reactions(problem, state)? } else { BTreeMap::new() },
+        obstacles: contact.obstacles.iter().map(|found| (found.name.clone(), found.into())).collect(),
         strain_energy_mj: stress.strain_energy,
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),

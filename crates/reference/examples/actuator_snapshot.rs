@@ -43,6 +43,7 @@ fn case(name: &str) -> Option<Case> {
         material: Material { invariant, ..Material::default() },
         contact: Contact { method: ContactMethod::MultiPoint, ..Contact::default() },
         load: Load { pressure_kpa },
+        obstacles: Vec::new(),
         probes: Vec::new(),
         solver: Solver::default(),
         output: Output::default(),

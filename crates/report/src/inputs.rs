@@ -105,6 +105,9 @@ pub fn groups(case: &Case) -> Vec<Group> {
             Group { heading: heading.to_owned(), rows: rows.into_iter().map(|(_, row)| row).collect() }
         })
         .collect();
+    if let Some(Value::Array(obstacles)) = tables.get("obstacle") {
+        groups.push(Group { heading: "Obstacles".into(), rows: obstacles.iter().map(obstacle_row).collect() });
+    }
     if !case.probes.is_empty() {
         let row = |probe: &pneuflex_model::Probe| Row {
             key: probe.name.clone(),
@@ -115,6 +118,20 @@ pub fn groups(case: &Case) -> Vec<Group> {
         groups.push(Group { heading: "Probes".into(), rows: case.probes.iter().map(row).collect() });
     }
     groups
+}
+
+/// An obstacle in one line: its keys and their values.
+fn obstacle_row(obstacle: &Value) -> Row {
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let keys = obstacle.as_object().into_iter().flatten().filter(|(key, _)| !["name", "shape"].contains(&key.as_str()));
+    let values: Vec<String> = keys.map(|(key, value)| format!("{key} {}", text(value))).collect();
+    let shape = text(&obstacle["shape"]);
+    Row {
+        key: text(&obstacle["name"]),
+        meaning: "obstacle",
+        value: format!("{shape}: {}", values.join(", ")),
+        unit: "",
+    }
 }
 
 fn collect(value: &Value, path: &str, key: &str, rows: &mut Vec<(usize, Row)>) {

@@ -8,6 +8,7 @@ use super::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Series
 use crate::MPA_PER_KPA;
 use crate::case::{CaseError, Contact, ContactMethod, Solver};
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
+use crate::obstacle_table::ObstacleTable;
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
 
 /// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
@@ -69,6 +70,9 @@ impl Model {
         self.add_loads(&mut build);
         for (i, contact) in self.contacts.iter().enumerate() {
             build.contact(i, contact);
+        }
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            build.obstacle(i, obstacle);
         }
         let solver = self.solver.resolved(build.end, schedule.map(|(_, first)| first));
         if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
@@ -285,6 +289,15 @@ impl Build {
             is_two_pass: table.two_pass,
             ..pair
         });
+    }
+
+    fn obstacle(&mut self, number: usize, table: &ObstacleTable) {
+        let facets = self.facets(&format!("obstacle[{number}].faces"), table.faces.as_deref().unwrap_or("outer"));
+        let motion =
+            table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
+        let stiffness = self.stiffness(&facets);
+        // The ranges of the file ask for all that a shape needs.
+        self.problem.obstacles.extend(table.obstacle(facets, stiffness, motion));
     }
 
     fn stiffness(&self, slave: &[Facet]) -> f64 {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::case::{MeshOptions, Output, Probe};
 use crate::material::Material;
+use crate::obstacle_table::ObstacleTable;
 
 mod build;
 mod ranges;
@@ -61,6 +62,9 @@ pub struct Model {
     /// Surfaces that may touch.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactTable>,
+    /// Rigid bodies in the way.
+    #[serde(default, rename = "obstacle", skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleTable>,
     /// When results are wanted; a deck's own schedule if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<Times>,

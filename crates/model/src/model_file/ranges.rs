@@ -2,6 +2,7 @@
 
 use super::{Model, Series};
 use crate::case::{CaseError, Problems};
+use crate::obstacle_table;
 
 impl Model {
     /// Every key whose value is out of range, table by table.
@@ -51,6 +52,7 @@ impl Model {
             series(&mut found, &format!("equation[{i}].value"), equation.value.as_ref());
         }
         self.check_loads(&mut found);
+        self.check_obstacles(&mut found);
         self.check_times(&mut found);
         found.0
     }
@@ -90,6 +92,13 @@ impl Model {
             if let Some(stiffness) = contact.stiffness {
                 found.unless_positive(&format!("contact[{i}].stiffness"), stiffness, " N/mm3");
             }
+        }
+    }
+
+    fn check_obstacles(&self, found: &mut Problems) {
+        obstacle_table::check(&self.obstacles, found);
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            series(found, &format!("obstacle[{i}].factor"), obstacle.factor.as_ref());
         }
     }
 

@@ -1,0 +1,60 @@
+//! Obstacles in case files: the force on them is what the clamp carries, and mistakes are named.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::Scratch;
+
+fn fixture(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name).to_str().unwrap().to_owned()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Nothing but the clamp and the obstacle acts on the half model along x and z.
+#[test]
+fn the_clamp_carries_what_the_actuator_presses_on_the_obstacle_with() {
+    for (case, obstacle) in [("blocked_force", "table"), ("grip_sphere", "ball")] {
+        let scratch = Scratch::new(case);
+        let coarse = ["mesh.size=4.5", "mesh.element=hex8-q1p0", "load.pressure_kpa=[20, 50]"];
+        let mut arguments = vec!["run".to_owned(), fixture(&format!("{case}.toml"))];
+        arguments.extend(coarse.iter().flat_map(|set| ["--set".to_owned(), (*set).to_owned()]));
+        let ended = scratch.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let text = fs::read_to_string(scratch.path(&format!("out/{case}")).join("summary.json")).unwrap();
+        let summary: Value = serde_json::from_str(&text).unwrap();
+        let last = &summary["steps"][1];
+        let found = &last["obstacles"][obstacle];
+        assert!(number(&found["force_n"][2]) < -0.01 && number(&found["max_penetration_mm"]) > 0.0, "{found}");
+        for axis in [0, 2] {
+            let difference = number(&found["force_n"][axis]) - number(&last["reaction_n"][axis]);
+            assert!(difference.abs() < 1e-6, "{found} {}", last["reaction_n"]);
+        }
+    }
+}
+
+#[test]
+fn mistakes_in_obstacles_are_named() {
+    let scratch = Scratch::new("wrong_obstacles");
+    for (obstacle, key, why) in [
+        ("{ name = 'a', shape = 'plane', point = [0, 0, 1], normal = [0, 0, 1] }", "obstacle[0].name", "overlaps"),
+        ("{ name = 'a', shape = 'plane', normal = [0, 0, 1] }", "obstacle[0].point", "point, normal"),
+        ("{ name = 'a', shape = 'sphere', centre = [0, 0, 0], radius = -1 }", "obstacle[0].radius", "greater than 0"),
+        (
+            "{ name = 'a', shape = 'sphere', centre = [0, 0, -20], radius = 5, faces = 'top' }",
+            "obstacle[0].faces",
+            "outer, bottom, end_face",
+        ),
+    ] {
+        let set = format!("obstacle=[{obstacle}]");
+        let ended = scratch.run(&["check", &fixture("blocked_force.toml"), "--set", &set]);
+        assert!(ended.code == 2 && ended.err.contains(key) && ended.err.contains(why), "{obstacle}: {ended:?}");
+    }
+}
