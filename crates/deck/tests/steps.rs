@@ -196,10 +196,24 @@ fn contact_pairs_have_their_surfaces_and_stiffness() {
     assert!(wrong("=LINEAR", "=EXPONENTIAL")[0].contains("only HARD or LINEAR"));
     assert!(wrong("*FRICTION\n0.", "*FRICTION\n0.3")[0].contains("contact is without friction"));
     assert!(wrong("s, M", "s, MM")[0].contains("there is no surface \"MM\""));
-    assert!(wrong("s, M", "s, S")[0].contains("with itself is not supported"));
+    assert!(wrong("s, M", "s, M, s")[0].contains("one surface that may touch itself"));
     assert!(wrong("INTERACTION=i", "INTERACTION=j")[0].contains("there is no surface interaction \"j\""));
     assert!(wrong("25.", "0.")[0].contains("greater than 0"));
     assert!(wrong("TYPE=SURFACE TO SURFACE", "ADJUST=0.1")[0].contains("ADJUST is not supported"));
+}
+
+#[test]
+fn every_contact_pair_has_its_own_stiffness_and_a_surface_may_touch_itself() {
+    let model = format!(
+        "{WALLS}*SURFACE INTERACTION, NAME=SOFT\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n5.\n\
+         *SURFACE INTERACTION, NAME=STIFF\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n25.\n\
+         *CONTACT PAIR, INTERACTION=STIFF, TYPE=SURFACE TO SURFACE\nS, M\n\
+         *CONTACT PAIR, INTERACTION=SOFT, TYPE=SURFACE TO SURFACE\nS\nM, m\n"
+    );
+    let pairs = deck(&cubes(&model, "")).problem.contact_pairs;
+    let found: Vec<_> = pairs.iter().map(|pair| (pair.name.as_str(), pair.stiffness, pair.is_self())).collect();
+    let expected = [("S on M", Some(25.0), false), ("S on itself", Some(5.0), true), ("M on itself", Some(5.0), true)];
+    assert_eq!(found, expected);
 }
 
 #[test]

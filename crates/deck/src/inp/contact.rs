@@ -30,7 +30,6 @@ pub(super) fn read_contact(
 ) -> (Contact, Vec<ContactPair>) {
     let interactions = read_interactions(outline, context);
     let mut pairs = Vec::new();
-    let mut law: Option<(Behaviour, f64)> = None;
     for item in outline.of("CONTACTPAIR") {
         check_parameters(item.block, context);
         let Some(name) = context.required(item.block, "INTERACTION") else { continue };
@@ -40,7 +39,9 @@ pub(super) fn read_contact(
             continue;
         };
         for line in &item.block.lines {
-            let Some(pair) = read_pair(item, line.place, &context.fields(line), body, sets, context) else { continue };
+            let Some(mut pair) = read_pair(item, line.place, &context.fields(line), body, sets, context) else {
+                continue;
+            };
             let stiffness = match behaviour {
                 Behaviour::Linear(stiffness) => stiffness,
                 Behaviour::Hard => hard(&pair.slave),
@@ -52,18 +53,13 @@ pub(super) fn read_contact(
                 );
                 context.note(line.place, text);
             }
+            pair.stiffness = Some(stiffness);
             pairs.push(pair);
-            match law {
-                Some((first, _)) if first != behaviour => {
-                    context.error(line.place, "all contact pairs must have the same pressure-overclosure");
-                }
-                Some((_, ref mut one)) => *one = one.max(stiffness),
-                None => law = Some((behaviour, stiffness)),
-            }
         }
     }
-    let contact = match law {
-        Some((_, stiffness)) => Contact { stiffness, ..Contact::default() },
+    let stiffest = pairs.iter().filter_map(|pair| pair.stiffness).reduce(f64::max);
+    let contact = match stiffest {
+        Some(stiffness) => Contact { stiffness, ..Contact::default() },
         None => Contact { method: ContactMethod::None, ..Contact::default() },
     };
     (contact, pairs)
@@ -149,17 +145,15 @@ fn read_pair(
     sets: &AllSets,
     context: &mut Context<'_>,
 ) -> Option<ContactPair> {
-    let [slave, master] = fields else {
-        context.error(
-            place,
-            "*CONTACT PAIR takes a slave and a master surface; contact of a surface with itself is not supported",
-        );
-        return None;
+    let (slave, master) = match *fields {
+        [slave, master] => (slave, master),
+        [surface] => (surface, surface),
+        _ => {
+            context
+                .error(place, "*CONTACT PAIR takes a slave and a master surface, or one surface that may touch itself");
+            return None;
+        }
     };
-    if slave.eq_ignore_ascii_case(master) {
-        context.error(place, "*CONTACT PAIR: contact of a surface with itself is not supported");
-        return None;
-    }
     let mut surface = |name: &str| match sets.surfaces.get(body, item.scope, name, "surface") {
         Ok(set) => Some(set.members.clone()),
         Err(why) => {
@@ -168,5 +162,7 @@ fn read_pair(
         }
     };
     let (slave_facets, master_facets) = (surface(slave), surface(master));
-    Some(ContactPair::new(format!("{slave} on {master}"), slave_facets?, master_facets?))
+    let is_self = slave.eq_ignore_ascii_case(master);
+    let name = if is_self { format!("{slave} on itself") } else { format!("{slave} on {master}") };
+    Some(ContactPair::new(name, slave_facets?, master_facets?))
 }
