@@ -12,7 +12,7 @@ use crate::error::{CliError, say};
 use crate::memory::{Estimate, size, thousands};
 use crate::study::{Description, Study};
 
-mod model;
+pub mod model;
 
 /// Checks a case and prints what would be solved.
 ///
@@ -113,6 +113,7 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
     writeln!(text, "memory    about {}", size(Estimate::of_mesh(case, mesh.num_elements(), unknowns).bytes))
 }
 
-fn plural(count: usize, noun: &str) -> String {
+/// A number of things in words.
+pub fn plural(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

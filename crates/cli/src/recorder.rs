@@ -58,7 +58,17 @@ struct MeshSummary {
 #[serde(untagged)]
 enum Step {
     Landed(Box<StepSummary>),
-    Failed { pressure_kpa: f64, converged: bool, iterations: usize },
+    Failed(Missed),
+}
+
+/// The pressure (kPa) or time at which the run ended.
+#[derive(Debug, Serialize)]
+struct Missed {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<f64>,
+    pressure_kpa: f64,
+    converged: bool,
+    iterations: usize,
 }
 
 /// A line of `history.jsonl`.
@@ -142,7 +152,7 @@ impl<'a> Recorder<'a> {
             error: None,
         };
         for step in recorded.steps {
-            recorder.list_fields(step.pressure_kpa);
+            recorder.list_fields(step.time.unwrap_or(step.pressure_kpa));
             recorder.summary.iterations_total += step.iterations;
             recorder.summary.steps.push(Step::Landed(Box::new(step)));
         }
@@ -150,12 +160,12 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Lists the field files of the next landed pressure in the series, as far as they are there.
-    fn list_fields(&mut self, pressure_kpa: f64) {
+    /// Lists the field files of the next landed step in the series, as far as they are there.
+    fn list_fields(&mut self, time: f64) {
         for (part, name) in ["step", "contact"].into_iter().enumerate() {
             let file = format!("{name}_{:02}.vtu", self.summary.steps.len() + 1);
             if self.folder.path().join("fields").join(&file).is_file() {
-                self.series.push(SeriesEntry { time: pressure_kpa, part, file });
+                self.series.push(SeriesEntry { time, part, file });
             }
         }
     }
@@ -193,7 +203,7 @@ impl<'a> Recorder<'a> {
     fn landed_steps(&self) -> impl Iterator<Item = &StepSummary> {
         self.summary.steps.iter().filter_map(|step| match step {
             Step::Landed(step) => Some(&**step),
-            Step::Failed { .. } => None,
+            Step::Failed(_) => None,
         })
     }
 
@@ -284,10 +294,10 @@ impl<'a> Recorder<'a> {
             (_, Some(Failure { cause: Cause::Interrupted, .. })) if self.error.is_none() => Status::Interrupted,
             _ => Status::NotConverged,
         };
-        if let Some(pressure_kpa) =
-            missed.filter(|_| self.summary.status == Status::NotConverged && self.error.is_none())
-        {
-            self.summary.steps.push(Step::Failed { pressure_kpa, converged: false, iterations: self.open_iterations });
+        if let Some(at) = missed.filter(|_| self.summary.status == Status::NotConverged && self.error.is_none()) {
+            let time = (self.study.problem.clock == Clock::Steps).then_some(at);
+            let missed = Missed { time, pressure_kpa: at, converged: false, iterations: self.open_iterations };
+            self.summary.steps.push(Step::Failed(missed));
         }
         let written = self.write_summary();
         self.keep(written);

@@ -14,7 +14,7 @@ use crate::interrupt;
 use crate::memory::thousands;
 use crate::progress::{Progress, duration};
 use crate::recorder::Recorder;
-use crate::study::{Description, Study};
+use crate::study::Study;
 use crate::view;
 
 /// How a run ended.
@@ -128,7 +128,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let failure = recorder.finish(&result, reason).map_err(CliError::Output)?;
     let is_interrupted = matches!(&result, Err(ended) if ended.0.cause == Cause::Interrupted);
     let report = result.unwrap_or_else(|ended| ended.1);
-    if !arguments.no_report && matches!(study.description, Description::Actuator(_)) {
+    if !arguments.no_report {
         report_or_warn(recorder.folder(), &mut progress);
     }
     if let Some(failure) = failure {

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use pneuflex_deck::DeckError;
+use pneuflex_mesh::Actuator;
 use pneuflex_model::model_file::{Model, Source};
 use pneuflex_model::{Case, CaseError, Formulation, Probe, Problem, Solver};
 use pneuflex_post::contact;
@@ -24,6 +25,9 @@ const MOST_OVERLAP: f64 = 1e-9;
 
 /// Bytes that a deck or a mesh may have.
 const MOST_BYTES: u64 = 2_000_000_000;
+
+/// Whether a body of a size may be built, and what to warn of.
+pub type Guard<'a> = &'a dyn Fn(Estimate) -> Result<Option<String>, InputError>;
 
 /// A problem with what is to be found out about it.
 #[derive(Debug)]
@@ -74,6 +78,14 @@ impl Study {
     /// # Errors
     /// Everything that is wrong with it.
     pub fn load(path: &Path, changes: &[String], force: bool) -> Result<Self, Vec<InputError>> {
+        Self::guarded(path, changes, &|estimate| estimate.guard(force))
+    }
+
+    /// The same; `guard` says from its size whether a body may be built, and what to warn of.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, or what the guard says.
+    pub fn guarded(path: &Path, changes: &[String], guard: Guard<'_>) -> Result<Self, Vec<InputError>> {
         if is_deck(path) {
             if let Some(change) = changes.first() {
                 let help = "write a model file around the deck: [model] with file = \"...\"".to_owned();
@@ -83,17 +95,17 @@ impl Study {
             }
             let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             let model = Model { model: Some(Source { file, scale: 1.0 }), ..Model::default() };
-            return Self::of_model(path, model, force, &|error| InputError::file(path, error));
+            return Self::of_model(path, model, guard, &|error| InputError::file(path, error));
         }
         if is_model(path) {
             let written: Written<Model> = Written::load(path, changes)?;
-            return Self::of_model(path, written.case.clone(), force, &|error| written.out_of_range(&error));
+            return Self::of_model(path, written.case.clone(), guard, &|error| written.out_of_range(&error));
         }
-        Self::of_case(CaseFile::load(path, changes)?, force)
+        Self::of_case(CaseFile::load(path, changes)?, guard)
     }
 
-    fn of_case(file: CaseFile, force: bool) -> Result<Self, Vec<InputError>> {
-        let warning = Estimate::of(&file.case).guard(force)?;
+    fn of_case(file: CaseFile, guard: Guard<'_>) -> Result<Self, Vec<InputError>> {
+        let warning = guard(Estimate::of(&file.case))?;
         let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
         if let Some(overlap) = overlap(&problem) {
             return Err(vec![file.out_of_range(&overlap)]);
@@ -121,13 +133,13 @@ impl Study {
     fn of_model(
         path: &Path,
         model: Model,
-        force: bool,
+        guard: Guard<'_>,
         say: &dyn Fn(CaseError) -> InputError,
     ) -> Result<Self, Vec<InputError>> {
         let mut notes = Vec::new();
         let mut warnings = Vec::new();
-        let mut guard = |estimate: Estimate| -> Result<(), InputError> {
-            warnings.extend(estimate.guard(force)?.map(|warning| format!("warning: {warning}")));
+        let mut check = |estimate: Estimate| -> Result<(), InputError> {
+            warnings.extend(guard(estimate)?.map(|warning| format!("warning: {warning}")));
             Ok(())
         };
         let (mut title, mut files, mut schedule) = (model.title.clone(), Files::default(), None);
@@ -135,7 +147,7 @@ impl Study {
             (Some(source), _) => {
                 let body = path.parent().unwrap_or(Path::new("")).join(&source.file);
                 let read = read_body(&body, source)?;
-                guard(Estimate::of_body(&read.problem.mesh))?;
+                check(Estimate::of_body(&read.problem.mesh))?;
                 notes.extend(read.notes);
                 if title.is_empty() {
                     title = read.title;
@@ -147,7 +159,7 @@ impl Study {
                 let formulation = model.mesh.formulation();
                 let size = model.mesh.mesh_size(actuator);
                 let material = model.material.clone().unwrap_or_default();
-                guard(Estimate::of_actuator(actuator, formulation.element_kind(), &size))?;
+                check(Estimate::of_actuator(actuator, formulation.element_kind(), &size))?;
                 Problem::from_actuator(actuator, &size, formulation, material, Default::default())
                     .map_err(|error| say(error.into()))?
             }
@@ -177,6 +189,14 @@ impl Study {
     /// Name of the file without folder and extension.
     pub fn stem(&self) -> String {
         self.path.file_stem().map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned())
+    }
+
+    /// The actuator that the body is, if it is one.
+    pub fn actuator(&self) -> Option<&Actuator> {
+        match &self.description {
+            Description::Actuator(case) => Some(&case.actuator),
+            Description::Model(model, _) => model.actuator.as_ref(),
+        }
     }
 
     /// The text of the resolved case, with every default; a model's refers to the copies of its files.

@@ -1,9 +1,9 @@
-//! The case as tables: what every key means, and its unit.
+//! A case or a model file as tables: what every key means, and its unit.
 
-use pneuflex_model::Case;
+use serde::Serialize;
 use serde_json::Value;
 
-/// A group of keys, a table of the case file.
+/// A group of keys, a table of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Its heading.
@@ -12,7 +12,7 @@ pub struct Group {
     pub rows: Vec<Row>,
 }
 
-/// A key of the case file.
+/// A key of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Dotted name below the table's.
@@ -26,18 +26,33 @@ pub struct Row {
 }
 
 /// Tables with their headings, in the order of the page.
-const TABLES: [(&str, &str); 7] = [
+const TABLES: &[(&str, &str)] = &[
+    ("model", "Body"),
     ("actuator", "Actuator"),
     ("material", "Material"),
+    ("region", "Region"),
+    ("support", "Support"),
+    ("equation", "Equation"),
+    ("cavity", "Cavity"),
+    ("force", "Force"),
+    ("traction", "Traction"),
+    ("pressure", "Pressure"),
+    ("gravity", "Gravity"),
     ("contact", "Contact"),
+    ("obstacle", "Obstacle"),
     ("load", "Load"),
     ("mesh", "Mesh"),
     ("solver", "Solver"),
     ("output", "Output"),
 ];
 
+/// Table of the points whose displacement is reported: one row each.
+const PROBES: &str = "probe";
+
 /// Keys in the order of the page, their meaning and unit.
-const KEYS: [(&str, &str, &str); 49] = [
+const KEYS: &[(&str, &str, &str)] = &[
+    ("model.file", "deck or mesh, as copied into the result folder", ""),
+    ("model.scale", "millimetres per unit of length", ""),
     ("actuator.chambers", "number of chambers", ""),
     ("actuator.chamber_length", "outer length of one chamber", "mm"),
     ("actuator.cavity_length", "length of one cavity", "mm"),
@@ -66,12 +81,55 @@ const KEYS: [(&str, &str, &str); 49] = [
     ("material.invariant", "first invariant in the energy", ""),
     ("material.volumetric", "energy of a change of volume", ""),
     ("material.density", "density", "g/cm³"),
+    ("region.name", "name", ""),
+    ("region.elements", "element set", ""),
+    ("region.box", "two corners of a box around the elements' centres", "mm"),
+    ("support.nodes", "node set or surface", ""),
+    ("support.axes", "held axes", ""),
+    ("support.displacement", "displacement where the factor is 1", "mm"),
+    ("support.factor", "factor at the end, or by time", ""),
+    ("equation.terms", "node set, axis, coefficient of each term", ""),
+    ("equation.value", "right-hand side at the end, or by time", "mm"),
+    ("cavity.name", "name", ""),
+    ("cavity.faces", "surface of its walls", ""),
+    ("cavity.pressure_kpa", "pressure at the end, or by time", "kPa"),
+    ("cavity.volume_mm3", "volume pumped in by the end, or by time", "mm³"),
+    ("cavity.gas", "gas relative to what fills it at rest, at the end or by time", ""),
+    ("cavity.atmosphere_kpa", "absolute pressure of the atmosphere", "kPa"),
+    ("cavity.exponent", "polytropic exponent", ""),
+    ("force.nodes", "node set", ""),
+    ("force.total", "force in all", "N"),
+    ("force.factor", "factor at the end, or by time", ""),
+    ("traction.faces", "surface", ""),
+    ("traction.traction_mpa", "force per area at rest", "MPa"),
+    ("traction.factor", "factor at the end, or by time", ""),
+    ("pressure.faces", "surface", ""),
+    ("pressure.pressure_kpa", "pressure at the end, or by time", "kPa"),
+    ("gravity.acceleration", "acceleration", "mm/s²"),
+    ("gravity.factor", "factor at the end, or by time", ""),
+    ("contact.slave", "surface that carries the contact points", ""),
+    ("contact.master", "surface they are projected onto", ""),
     ("contact.method", "where contact is looked for", ""),
     ("contact.stiffness", "penalty stiffness", "N/mm³"),
-    ("contact.two_pass", "both walls are the slave in turn", ""),
+    ("contact.two_pass", "both surfaces are the slave in turn", ""),
     ("contact.self_contact", "outer surface against itself", ""),
     ("contact.penetration_tolerance", "largest depth of a contact point", "mm"),
+    ("obstacle.name", "name", ""),
+    ("obstacle.shape", "shape", ""),
+    ("obstacle.faces", "surface that may touch it", ""),
+    ("obstacle.point", "a point of the plane or of the axis", "mm"),
+    ("obstacle.normal", "normal towards the body", ""),
+    ("obstacle.centre", "centre", "mm"),
+    ("obstacle.axis", "direction of the axis", ""),
+    ("obstacle.radius", "radius", "mm"),
+    ("obstacle.hollow", "body inside of it", ""),
+    ("obstacle.size", "lengths along x, y, z", "mm"),
+    ("obstacle.edge_radius", "radius of the edges", "mm"),
+    ("obstacle.stiffness", "penalty stiffness", "N/mm³"),
+    ("obstacle.displacement", "displacement where the factor is 1", "mm"),
+    ("obstacle.factor", "factor at the end, or by time", ""),
     ("load.pressure_kpa", "pressures", "kPa"),
+    ("load.times", "times of the results", ""),
     ("mesh.resolution", "resolution", ""),
     ("mesh.element", "element", ""),
     ("mesh.size", "largest element edge along x, y, z", "mm"),
@@ -83,55 +141,49 @@ const KEYS: [(&str, &str, &str); 49] = [
     ("solver.first_step_kpa", "first load step", "kPa"),
     ("solver.max_step_kpa", "largest load step", "kPa"),
     ("solver.min_step_kpa", "smallest load step", "kPa"),
+    ("solver.first_step", "first load step, in time", ""),
+    ("solver.max_step", "largest load step, in time", ""),
+    ("solver.min_step", "smallest load step, in time", ""),
     ("output.fields", "field files", ""),
-    ("probe.name", "name", ""),
-    ("probe.at", "reference position", "mm"),
-    ("title", "title", ""),
 ];
 
-/// All keys of a case in groups; keys that are not known here come last in theirs.
-pub fn groups(case: &Case) -> Vec<Group> {
-    let Ok(Value::Object(tables)) = serde_json::to_value(case) else { return Vec::new() };
+/// All keys of a case or a model in groups, in the order of the page; what is not known here comes last. Tables of which there
+/// may be several are numbered if there are.
+pub fn groups(file: &impl Serialize) -> Vec<Group> {
+    let Ok(Value::Object(tables)) = serde_json::to_value(file) else { return Vec::new() };
     let place = |name: &str| TABLES.iter().position(|(table, _)| *table == name).unwrap_or(TABLES.len());
-    let mut names: Vec<&String> = tables.iter().filter(|(_, table)| table.is_object()).map(|(name, _)| name).collect();
+    let mut names: Vec<&String> = tables.keys().filter(|name| *name != PROBES).collect();
     names.sort_by_key(|name| place(name));
-    let mut groups: Vec<Group> = names
-        .into_iter()
-        .map(|name| {
-            let mut rows = Vec::new();
-            collect(&tables[name], name, "", &mut rows);
-            rows.sort_by_key(|(rank, _)| *rank);
-            let heading = TABLES.get(place(name)).map_or(name.as_str(), |(_, heading)| heading);
-            Group { heading: heading.to_owned(), rows: rows.into_iter().map(|(_, row)| row).collect() }
-        })
-        .collect();
-    if let Some(Value::Array(obstacles)) = tables.get("obstacle") {
-        groups.push(Group { heading: "Obstacles".into(), rows: obstacles.iter().map(obstacle_row).collect() });
+    let mut groups = Vec::new();
+    for name in names {
+        let heading = TABLES.get(place(name)).map_or(name.as_str(), |(_, heading)| heading);
+        match &tables[name] {
+            table @ Value::Object(_) => groups.push(group(heading.to_owned(), name, table)),
+            Value::Array(entries) => {
+                let number = |i: usize| if entries.len() > 1 { format!(" {}", i + 1) } else { String::new() };
+                let all = entries.iter().enumerate();
+                groups.extend(all.map(|(i, table)| group(format!("{heading}{}", number(i)), name, table)));
+            }
+            _ => {}
+        }
     }
-    if !case.probes.is_empty() {
-        let row = |probe: &pneuflex_model::Probe| Row {
-            key: probe.name.clone(),
+    if let Some(Value::Array(probes)) = tables.get(PROBES).filter(|probes| probes.get(0).is_some()) {
+        let row = |probe: &Value| Row {
+            key: plain(&probe["name"]),
             meaning: "displacement of the node nearest to",
-            value: probe.at.map(|x| x.to_string()).join(", "),
+            value: plain(&probe["at"]),
             unit: "mm",
         };
-        groups.push(Group { heading: "Probes".into(), rows: case.probes.iter().map(row).collect() });
+        groups.push(Group { heading: "Probes".into(), rows: probes.iter().map(row).collect() });
     }
     groups
 }
 
-/// An obstacle in one line: its keys and their values.
-fn obstacle_row(obstacle: &Value) -> Row {
-    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    let keys = obstacle.as_object().into_iter().flatten().filter(|(key, _)| !["name", "shape"].contains(&key.as_str()));
-    let values: Vec<String> = keys.map(|(key, value)| format!("{key} {}", text(value))).collect();
-    let shape = text(&obstacle["shape"]);
-    Row {
-        key: text(&obstacle["name"]),
-        meaning: "obstacle",
-        value: format!("{shape}: {}", values.join(", ")),
-        unit: "",
-    }
+fn group(heading: String, name: &str, table: &Value) -> Group {
+    let mut rows = Vec::new();
+    collect(table, name, "", &mut rows);
+    rows.sort_by_key(|(rank, _)| *rank);
+    Group { heading, rows: rows.into_iter().map(|(_, row)| row).collect() }
 }
 
 fn collect(value: &Value, path: &str, key: &str, rows: &mut Vec<(usize, Row)>) {
@@ -142,7 +194,9 @@ fn collect(value: &Value, path: &str, key: &str, rows: &mut Vec<(usize, Row)>) {
         }
         return;
     }
-    let rank = KEYS.iter().position(|(known, _, _)| *known == path).unwrap_or(KEYS.len());
+    // A region's material is described like any other.
+    let known_as = path.strip_prefix("region.").filter(|inner| inner.contains('.')).unwrap_or(path);
+    let rank = KEYS.iter().position(|(known, _, _)| *known == known_as).unwrap_or(KEYS.len());
     let (_, meaning, unit) = KEYS.get(rank).copied().unwrap_or_default();
     if !value.is_null() {
         rows.push((rank, Row { key: key.to_owned(), meaning, value: plain(value), unit }));
@@ -154,7 +208,10 @@ fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
-        Value::Array(entries) => entries.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Value::Array(entries) => {
+            let inner = |entry: &Value| if entry.is_array() { format!("({})", plain(entry)) } else { plain(entry) };
+            entries.iter().map(inner).collect::<Vec<_>>().join(", ")
+        }
         // Shorter than the JSON text of a number: 5 instead of 5.0.
         Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), short),
         other => other.to_string(),
@@ -169,6 +226,8 @@ fn short(x: f64) -> String {
 mod tests {
     use super::*;
     use pneuflex_mesh::Actuator;
+    use pneuflex_model::Case;
+    use pneuflex_model::model_file::Model;
 
     #[test]
     fn every_key_of_a_case_is_known_and_shown_once() {
@@ -191,5 +250,43 @@ mod tests {
             assert!(!row.meaning.is_empty(), "{} has no meaning", row.key);
         }
         assert_eq!(groups[0].rows[0].key, "chambers");
+    }
+
+    #[test]
+    fn every_key_of_a_model_is_known_and_tables_are_numbered() {
+        let material = serde_json::json!({"law": "neo-hooke", "c10": 0.1, "bulk_modulus": 100.0});
+        let model: Model = serde_json::from_value(serde_json::json!({
+            "title": "t", "model": {"file": "input/a.msh", "scale": 25.4}, "material": material,
+            "region": [{"name": "base", "elements": "B", "material": material},
+                       {"name": "tip", "box": [[0, 0, 0], [1, 1, 1]], "material": material}],
+            "support": [{"nodes": "WALL", "axes": "xz", "displacement": [1, 0, 2], "factor": [[0, 0], [1, 2.5]]}],
+            "equation": [{"terms": [["A", "x", 1], ["B", "y", -1]], "value": 0.5}],
+            "cavity": [{"name": "air", "faces": "C", "pressure_kpa": 5, "atmosphere_kpa": 90, "exponent": 1.4},
+                       {"name": "gas", "faces": "D", "gas": 2}, {"name": "oil", "faces": "E", "volume_mm3": 7}],
+            "force": [{"nodes": "N", "total": [1, 0, 0], "factor": 2}],
+            "traction": [{"faces": "F", "traction_mpa": [0, 0, 1], "factor": 2}],
+            "pressure": [{"faces": "F", "pressure_kpa": 3}],
+            "gravity": {"acceleration": [0, 0, -9810], "factor": 1},
+            "contact": [{"slave": "S", "master": "M", "stiffness": 4, "two_pass": true}],
+            "obstacle": [{"name": "table", "shape": "plane", "faces": "F", "point": [0, 0, -1], "normal": [0, 0, 1]},
+                         {"name": "ram", "shape": "cuboid", "centre": [0, 0, 9], "size": [1, 1, 1], "edge_radius": 0.1,
+                          "displacement": [0, 0, -2], "factor": 1},
+                         {"name": "tube", "shape": "cylinder", "point": [0, 0, 0], "axis": [1, 0, 0], "radius": 5, "hollow": true,
+                          "stiffness": 3}],
+            "load": {"times": [1, 2]}, "probe": [{"name": "tip", "at": [18, 0, 0]}],
+            "solver": {"tolerance": 1e-6, "residual_tolerance": 1e-6, "max_iterations": 9, "first_step": 0.1, "max_step": 1,
+                       "min_step": 0.01}
+        }))
+        .unwrap();
+        let groups = groups(&model);
+        for (group, row) in groups.iter().flat_map(|group| group.rows.iter().map(move |row| (group, row))) {
+            assert!(!row.meaning.is_empty(), "{}: {} has no meaning", group.heading, row.key);
+        }
+        let headings: Vec<&str> = groups.iter().map(|group| group.heading.as_str()).collect();
+        assert_eq!(headings[..5], ["Body", "Material", "Region 1", "Region 2", "Support"]);
+        let factor = groups[4].rows.iter().find(|row| row.key == "factor").unwrap();
+        assert_eq!(factor.value, "(0, 0), (1, 2.5)");
+        let material = groups[2].rows.iter().find(|row| row.key == "material.c10").unwrap();
+        assert_eq!((material.value.as_str(), material.unit), ("0.1", "MPa"));
     }
 }

@@ -1,12 +1,12 @@
-//! The report of a run: one HTML page that opens from disk, with the deformed actuator in three dimensions, plots against
-//! pressure and the inputs.
+//! The report of a run: one HTML page that opens from disk, with the deformed body in three dimensions, plots against pressure or
+//! time and the inputs.
 //!
 //! Data goes in and a text comes out; reading the result folder and writing the page is up to the caller.
 //!
 //! * [`summary`]: what is read of `summary.json`.
-//! * [`state`]: the fields of one pressure, from their `.vtu` files.
+//! * [`state`]: the fields of one pressure or time, from their `.vtu` files.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
-//! * [`series`]: what is plotted against pressure.
+//! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table.
 //! * [`quantise`]: lists of numbers as text with a known error.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
 //!
@@ -19,6 +19,7 @@ pub mod inputs;
 pub mod page;
 mod payload;
 pub mod quantise;
+pub mod results;
 pub mod series;
 pub mod skin;
 pub mod state;
@@ -28,23 +29,80 @@ pub mod tables;
 #[cfg(test)]
 mod testing;
 
-use pneuflex_model::{Case, Problem};
+use pneuflex_model::{Clock, Problem};
 use pneuflex_post::PostError;
 
+use crate::inputs::Group;
 use crate::state::State;
 use crate::summary::Summary;
 
 /// What a report is made of.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
-    /// The case as it was solved.
-    pub case: &'a Case,
-    /// The problem meshed from it.
+    /// Title; may be empty.
+    pub title: &'a str,
+    /// What was solved in a few words: the number of chambers, or the name of a file.
+    pub about: &'a str,
+    /// The case or the model as it was solved, see [`inputs::groups`].
+    pub inputs: &'a [Group],
+    /// Whether the problem is one half (y ≥ 0) of a body that is symmetric to y = 0.
+    pub mirrored: bool,
+    /// The problem that was solved.
     pub problem: &'a Problem,
     /// What the run says of itself.
     pub summary: &'a Summary,
-    /// The fields at every landed pressure, in the order of the summary's steps; `None` if the run wrote none.
+    /// The fields at every landed step, in the order of the summary's; `None` if the run wrote none.
     pub states: Option<&'a [State]>,
+}
+
+impl Report<'_> {
+    /// How many of the modelled part make the whole body.
+    pub fn halves(&self) -> f64 {
+        if self.mirrored { 2.0 } else { 1.0 }
+    }
+
+    /// Whether there is contact to be shown.
+    fn may_touch(&self) -> bool {
+        let is_actuator = self.problem.clock == Clock::Pressure;
+        is_actuator || !self.problem.contact_pairs.is_empty()
+    }
+
+    /// Whether a support holds the whole body, and not just the modelled half at its plane of symmetry.
+    fn holds_whole(&self, support: &str) -> bool {
+        !(self.mirrored && support == "symmetry")
+    }
+
+    /// What the body is called.
+    fn noun(&self) -> &'static str {
+        match self.problem.clock {
+            Clock::Pressure => "actuator",
+            Clock::Steps => "body",
+        }
+    }
+
+    /// What results depend on.
+    fn parameter(&self) -> &'static str {
+        match self.problem.clock {
+            Clock::Pressure => "pressure",
+            Clock::Steps => "time",
+        }
+    }
+
+    /// Unit of the parameter; empty for none.
+    fn unit(&self) -> &'static str {
+        match self.problem.clock {
+            Clock::Pressure => "kPa",
+            Clock::Steps => "",
+        }
+    }
+
+    /// A value of the parameter as words, e.g. `35 kPa`.
+    fn words(&self, time: f64) -> String {
+        match self.problem.clock {
+            Clock::Pressure => format!("{} kPa", tables::number(time)),
+            Clock::Steps => format!("time {}", tables::number(time)),
+        }
+    }
 }
 
 /// A result that cannot be shown.
@@ -77,13 +135,16 @@ pub enum ReportError {
     #[error("{0} holds a number that is not finite")]
     NotFinite(String),
     /// The summary and the fields do not belong together.
-    #[error("summary.json has {steps} landed pressures, but there are fields of {states}")]
+    #[error("summary.json has {steps} landed steps, but there are fields of {states}")]
     OtherSteps {
         /// Steps of the summary.
         steps: usize,
         /// States with fields.
         states: usize,
     },
+    /// Steps that do not follow each other.
+    #[error("the pressures or times of summary.json do not increase from 0")]
+    Order,
     /// A quantity that cannot be derived.
     #[error(transparent)]
     Post(#[from] PostError),

@@ -1,8 +1,10 @@
 //! The page: its elements, into which the modules of `assets/js` draw.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use pneuflex_model::Clock;
 
-use crate::tables::{inputs, notices, number, results, status_text, thousands};
+use crate::results::results;
+use crate::tables::{inputs, notices, status_text, thousands};
 use crate::{Report, assets};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
@@ -14,8 +16,8 @@ const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3
 
 /// The whole text of the page; `data` is the JSON that the modules read.
 pub fn html(report: &Report<'_>, data: &str) -> String {
-    let case = report.case;
-    let title = if case.title.is_empty() { "Soft actuator" } else { case.title.as_str() };
+    let title = if report.title.is_empty() { report.about } else { report.title };
+    let plots = format!("Plots against {}", report.parameter());
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -30,12 +32,12 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
             }
             body {
                 (masthead(report, title))
-                (notices(report.summary))
+                (notices(report))
                 noscript { p .notice { "The three-dimensional view and the plots need JavaScript. The tables below do not." } }
                 main {
                     div .dashboard {
                         (viewer(report))
-                        section #plots .plots aria-label="Plots against pressure" {}
+                        section #plots .plots aria-label=(plots) {}
                     }
                     (results(report))
                     (inputs(report))
@@ -54,14 +56,13 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
 
 fn masthead(report: &Report<'_>, title: &str) -> Markup {
     let summary = report.summary;
-    let chambers = report.case.actuator.chambers;
-    let reached = summary.landed().last().map(|(pressure, _)| format!(" · computed to {} kPa", number(pressure)));
+    let reached = summary.landed().last().map(|(time, _)| format!(" · computed to {}", report.words(time)));
     html! {
         header .masthead {
             div .titles {
                 h1 { (title) }
                 p {
-                    (chambers) @if chambers == 1 { " chamber" } @else { " chambers" }
+                    (report.about)
                     " · " (thousands(summary.mesh.elements)) " elements " (summary.mesh.element)
                     " · " (thousands(summary.mesh.unknowns)) " unknowns" @if let Some(reached) = reached { (reached) }
                 }
@@ -74,28 +75,28 @@ fn masthead(report: &Report<'_>, title: &str) -> Markup {
 
 fn viewer(report: &Report<'_>) -> Markup {
     html! {
-        section .viewer aria-label="The deformed actuator" {
-            @if report.states.is_some() { (stage()) } @else {
+        section .viewer aria-label={ "The deformed " (report.noun()) } {
+            @if report.states.is_some() { (stage(report.noun())) } @else {
                 p .notice {
-                    "There is no view of the deformed actuator: the run wrote no fields (" code { "output.fields = false" }
+                    "There is no view of the deformed " (report.noun()) ": the run wrote no fields (" code { "output.fields = false" }
                     "). Run the case with " code { "--set output.fields=true" } " to have it."
                 }
             }
-            (transport())
+            (transport(report))
             @if report.states.is_some() { (options(report)) }
         }
     }
 }
 
-fn stage() -> Markup {
+fn stage(noun: &str) -> Markup {
     let view = |name: &str, label: &str, key: &str| {
         html! { button type="button" data-view=(name) title={ "View: " (name) " (" (key) ")" } { (label) } }
     };
     html! {
         div .view {
             div #stage .stage {
-                canvas #canvas tabindex="0" role="img" aria-label="The deformed actuator in three dimensions" aria-describedby="hint" {}
-                img #printout alt="The deformed actuator";
+                canvas #canvas tabindex="0" role="img" aria-label={ "The deformed " (noun) " in three dimensions" } aria-describedby="hint" {}
+                img #printout alt={ "The deformed " (noun) };
                 div #legend .legend aria-live="polite" {}
                 div .views role="group" aria-label="Views" {
                     (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
@@ -115,17 +116,21 @@ fn stage() -> Markup {
     }
 }
 
-fn transport() -> Markup {
+fn transport(report: &Report<'_>) -> Markup {
+    let label = match report.problem.clock {
+        Clock::Pressure => "Air pressure in kPa",
+        Clock::Steps => "Time",
+    };
     html! {
         div .transport {
             button #play .icon type="button" aria-label="Play" title="Play (space)" { (PreEscaped(PLAY)) }
             div .track {
-                label .hidden for="pressure" { "Air pressure in kPa" }
-                input #pressure type="range" min="0" step="any";
+                label .hidden for="time" { (label) }
+                input #time type="range" min="0" step="any";
                 div #ticks .ticks {}
             }
             div .readout {
-                output #pressure-readout for="pressure" {}
+                output #time-readout for="time" {}
                 span #origin .origin {}
                 span #key-numbers .key-numbers {}
             }
@@ -140,7 +145,6 @@ fn options(report: &Report<'_>) -> Markup {
     let tick = |id: &str, label: &str, checked: bool| {
         html! { label .tick { input id=(id) type="checkbox" checked[checked]; span { (label) } } }
     };
-    let is_half = report.case.actuator.part == pneuflex_mesh::actuator::Part::Half;
     html! {
         div #options .options {
             fieldset {
@@ -148,9 +152,9 @@ fn options(report: &Report<'_>) -> Markup {
                 div .segments {
                     (radio("field", "vonMises", "von Mises", true))
                     (radio("field", "displacement", "Displacement", false))
-                    (radio("field", "contactPressure", "Contact", false))
+                    @if report.may_touch() { (radio("field", "contactPressure", "Contact", false)) }
                 }
-                (tick("fit", "fit range to this pressure", false))
+                (tick("fit", &format!("fit range to this {}", report.parameter()), false))
             }
             fieldset {
                 legend { "Section" }
@@ -167,7 +171,7 @@ fn options(report: &Report<'_>) -> Markup {
             }
             fieldset {
                 legend { "Show" }
-                @if is_half { (tick("whole", "both halves", true)) }
+                @if report.mirrored { (tick("whole", "both halves", true)) }
                 (tick("ghost", "rest shape", true))
                 (tick("mesh", "mesh", false))
             }
@@ -178,10 +182,11 @@ fn options(report: &Report<'_>) -> Markup {
 #[cfg(test)]
 mod tests {
     use crate::Report;
+    use crate::inputs::groups;
     use crate::summary::Summary;
     use crate::testing::{summary_json, two_chambers};
     use pneuflex_mesh::Actuator;
-    use pneuflex_model::{Case, Formulation, Problem};
+    use pneuflex_model::{Case, Clock, Formulation, Problem};
     use serde_json::json;
 
     fn page(title: &str, change: impl Fn(&mut serde_json::Value)) -> String {
@@ -196,13 +201,17 @@ mod tests {
         let summary: Summary = serde_json::from_value(summary).unwrap();
         let u = vec![0.25; problem.num_dofs()];
         let nodes = vec![0.0; problem.mesh.num_nodes()];
-        let state = crate::state::State {
-            pressure_kpa: 5.0,
-            displacement: u,
-            von_mises: nodes.clone(),
-            contact_pressure: nodes,
+        let state =
+            crate::state::State { time: 5.0, displacement: u, von_mises: nodes.clone(), contact_pressure: nodes };
+        let report = Report {
+            title: &case.title,
+            about: "2 chambers",
+            inputs: &groups(&case),
+            mirrored: true,
+            problem: &problem,
+            summary: &summary,
+            states: Some(&[state]),
         };
-        let report = Report { case: &case, problem: &problem, summary: &summary, states: Some(&[state]) };
         crate::render(&report).unwrap()
     }
 
@@ -234,6 +243,39 @@ mod tests {
         assert!(before.contains("try smaller steps."));
         assert!(before.contains("The run did not converge") && before.contains("the load step became too small"));
         assert!(!page("t", |_| ()).contains("class=\"notice failure\""));
+    }
+
+    #[test]
+    fn the_page_of_a_model_speaks_of_time_and_says_what_is_not_there() {
+        let mut problem = two_chambers(Formulation::Hex8Sri);
+        problem.clock = Clock::Steps;
+        let mut summary = summary_json(&[0.5, 2.0]);
+        summary["status"] = "not-converged".into();
+        summary["warnings"] = json!([{"time": 0.5, "message": "careful"}]);
+        summary["steps"][0]["time"] = 0.5.into();
+        summary["steps"][0].as_object_mut().unwrap().remove("end_face_angle_deg");
+        summary["steps"][0]["reactions"] = json!({"wall": [0.00012, 0.0, 0.0]});
+        summary["steps"][1] = json!({"time": 2.0, "pressure_kpa": 2.0, "converged": false, "iterations": 9});
+        let summary: Summary = serde_json::from_value(summary).unwrap();
+        let report = Report {
+            title: "",
+            about: "part.inp",
+            inputs: &[],
+            mirrored: false,
+            problem: &problem,
+            summary: &summary,
+            states: None,
+        };
+        let html = crate::render(&report).unwrap();
+        assert!(html.contains("<h1>part.inp</h1>") && html.contains("computed to time 0.5"));
+        assert!(
+            html.contains("up to <strong>time 0.5</strong>") && html.contains("<strong>time 0.5: </strong>careful")
+        );
+        assert!(html.contains("Results at the computed times") && html.contains("aria-label=\"Plots against time\""));
+        assert!(html.contains("0.000120, 0.000000, 0.000000") && html.contains(">not reached<"));
+        let (before, _) = html.split_once("report-data").unwrap();
+        let shown = before.split("<main>").nth(1).unwrap();
+        assert!(!shown.contains("bending") && !shown.contains("NaN") && !shown.contains("actuator"));
     }
 
     #[test]

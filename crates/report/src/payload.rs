@@ -1,11 +1,10 @@
 //! The data that the page's modules work on, as JSON.
 
-use pneuflex_mesh::actuator::Part;
 use serde::Serialize;
 
 use crate::body::Body;
 use crate::quantise::{Quantised, floats, integers};
-use crate::series::Point;
+use crate::series::Series;
 use crate::skin::{Lines, Skin};
 use crate::state::State;
 use crate::subdivision::tetrahedra;
@@ -14,15 +13,25 @@ use crate::{Report, ReportError};
 #[derive(Serialize)]
 struct Payload<'a> {
     title: &'a str,
-    series: &'a [Point],
+    clock: ClockData,
+    series: &'a Series,
     #[serde(skip_serializing_if = "Option::is_none")]
     body: Option<BodyData<'a>>,
+}
+
+/// What the slider stands for.
+#[derive(Serialize)]
+struct ClockData {
+    name: &'static str,
+    unit: &'static str,
 }
 
 #[derive(Serialize)]
 struct BodyData<'a> {
     /// Whether the other half is the mirror image at y = 0.
     mirrored: bool,
+    /// Point that the positions of nodes are relative to, mm: those of a small body far away would lose digits.
+    origin: [f64; 3],
     nodes: String,
     elements: String,
     nodes_per_element: usize,
@@ -52,7 +61,7 @@ struct ProbeData<'a> {
 
 #[derive(Serialize)]
 struct StateData {
-    pressure: f64,
+    time: f64,
     displacement: Quantised,
     von_mises: Quantised,
     contact_pressure: Quantised,
@@ -67,9 +76,10 @@ struct Typical {
 }
 
 /// The data as JSON that can stand within a `script` element.
-pub fn of(report: &Report<'_>, series: &[Point]) -> Result<String, ReportError> {
+pub fn of(report: &Report<'_>, series: &Series) -> Result<String, ReportError> {
     let body = report.states.map(|states| body_data(report, states)).transpose()?;
-    let payload = Payload { title: &report.case.title, series, body };
+    let clock = ClockData { name: report.parameter(), unit: report.unit() };
+    let payload = Payload { title: report.title, clock, series, body };
     let text = serde_json::to_string(&payload).map_err(|e| ReportError::Json(e.to_string()))?;
     Ok(for_script(&text))
 }
@@ -82,14 +92,19 @@ pub fn for_script(json: &str) -> String {
 fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a>, ReportError> {
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
-    let skin = Skin::new(mesh, &report.problem.cavity_facets(), &body);
+    let symmetry = if report.mirrored { mesh.node_set("symmetry") } else { &[] };
+    let skin = Skin::new(mesh, &report.problem.cavity_facets(), symmetry, &body);
+    // The mirror image is one at y = 0.
+    let origin = if report.mirrored { [0.0; 3] } else { centre(&mesh.nodes) };
+    let nodes: Vec<f64> = body.nodes.iter().flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect();
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
     let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);
     let p99 = report.summary.landed().map(|(_, landed)| landed.von_mises_p99_mpa);
     Ok(BodyData {
-        mirrored: report.case.actuator.part == Part::Half,
-        nodes: floats(body.nodes.as_flattened()),
+        mirrored: report.mirrored,
+        origin,
+        nodes: floats(&nodes),
         elements: integers(&body.connectivity),
         nodes_per_element: body.kind.num_nodes(),
         tetrahedra: tetrahedra(body.kind),
@@ -104,6 +119,12 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a
     })
 }
 
+/// Centre of the box around points.
+fn centre(points: &[[f64; 3]]) -> [f64; 3] {
+    let end = |d: usize, of: fn(f64, f64) -> f64| points.iter().map(|x| x[d]).reduce(of).unwrap_or(0.0);
+    [0, 1, 2].map(|d| 0.5 * (end(d, f64::min) + end(d, f64::max)))
+}
+
 fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateData, ReportError> {
     let quantised =
         |name: &str, values: &[f64]| Quantised::new(values).ok_or_else(|| ReportError::NotFinite(name.into()));
@@ -113,7 +134,7 @@ fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateDat
     touching.sort_by(f64::total_cmp);
     let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
     Ok(StateData {
-        pressure: state.pressure_kpa,
+        time: state.time,
         displacement: quantised("displacement", &body.completed(&state.displacement, 3))?,
         von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
         contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,

@@ -1,63 +1,346 @@
-//! What is plotted against pressure.
+//! What is plotted against pressure or time.
 
-use pneuflex_mesh::actuator::Part;
+use std::collections::BTreeMap;
+
+use pneuflex_model::{Clock, Control};
 use pneuflex_post::measures;
 use serde::Serialize;
 
+use crate::state::State;
+use crate::summary::{Landed, Obstacle};
 use crate::{Report, ReportError};
 
-/// Numbers at one pressure, for the whole body even if a half of it was modelled.
+/// Curves in one plot at the most.
+const CURVES: usize = 4;
+
+/// Name of the largest displacement of all nodes.
+const LARGEST: &str = "largest";
+
+/// Reactions below this share of the largest are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// mm³ from which volumes are in cm³.
+const LARGE: f64 = 1000.0;
+
+/// Numbers at rest and at every landed step, for the whole body even if a half of it was modelled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Point {
-    /// Air pressure, kPa.
-    pub pressure: f64,
-    /// Angle of the end face, degrees, positive downwards.
-    pub angle: f64,
-    /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; empty for a mesh without one.
-    pub centreline: Vec<[f64; 2]>,
-    /// Volume of the air, cm³.
-    pub volume: f64,
-    /// Area in contact, mm².
-    pub contact_area: f64,
-    /// von Mises stress not exceeded in 99 % of the volume, MPa.
-    pub stress: f64,
+pub struct Series {
+    /// The parameter of the load path, kPa for actuators: 0, then that of the landed steps.
+    pub times: Vec<f64>,
+    /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub centrelines: Option<Vec<Vec<[f64; 2]>>>,
+    /// What is said beside the slider.
+    pub key_numbers: Vec<Plot>,
+    /// The plots in their order.
+    pub plots: Vec<Plot>,
 }
 
-/// The body at rest, followed by every landed pressure.
+/// A plot with up to four curves of one unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plot {
+    /// What it shows.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether the axis begins at zero.
+    pub from_zero: bool,
+    /// What stands along the other axis; the parameter if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over: Option<Axis>,
+    /// Its curves.
+    pub curves: Vec<Curve>,
+}
+
+/// A quantity along an axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Axis {
+    /// What it is.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its values at the series' times.
+    pub values: Vec<f64>,
+}
+
+/// A curve of a plot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Name of what it belongs to; empty where the plot's says it all.
+    pub name: String,
+    /// Its values at the series' times.
+    pub values: Vec<f64>,
+}
+
+/// The body at rest, followed by every landed step.
 ///
 /// # Errors
-/// A volume at rest that cannot be found, or a number that is not finite.
-pub fn of(report: &Report<'_>) -> Result<Vec<Point>, ReportError> {
-    let halves = halves(report);
-    let rest = vec![0.0; report.problem.num_dofs()];
-    let volume = |mm3: f64| halves * mm3 / 1000.0;
-    let mut points = vec![Point {
-        pressure: 0.0,
-        angle: 0.0,
-        centreline: measures::centreline(report.problem, &rest)?,
-        volume: volume(measures::cavity_volume(report.problem, &rest)?),
-        contact_area: 0.0,
-        stress: 0.0,
-    }];
-    points.extend(report.summary.landed().map(|(pressure, landed)| Point {
-        pressure,
-        angle: landed.end_face_angle_deg,
-        centreline: landed.centreline.clone(),
-        volume: volume(landed.cavity_volume_mm3),
-        contact_area: halves * landed.contact.area_mm2,
-        stress: landed.von_mises_p99_mpa,
-    }));
-    let is_finite = |p: &Point| {
-        let numbers = [p.pressure, p.angle, p.volume, p.contact_area, p.stress];
-        numbers.iter().chain(p.centreline.as_flattened()).all(|x| x.is_finite())
-    };
-    if points.iter().all(is_finite) { Ok(points) } else { Err(ReportError::NotFinite("summary.json".into())) }
+/// A volume at rest that cannot be found, steps that are out of order, or a number that is not finite.
+pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
+    let times: Vec<f64> = std::iter::once(0.0).chain(report.summary.landed().map(|(time, _)| time)).collect();
+    let not_finite = || Err(ReportError::NotFinite("summary.json".into()));
+    if !times.iter().all(|time| time.is_finite()) {
+        return not_finite();
+    }
+    if times.windows(2).any(|pair| pair[0] >= pair[1]) {
+        return Err(ReportError::Order);
+    }
+    let collect = Collect { report, rest: vec![0.0; report.problem.num_dofs()] };
+    let (key_numbers, plots) = collect.plots()?;
+    let series = Series { times, centrelines: collect.centrelines()?, key_numbers, plots };
+    let of_plots = (series.plots.iter().chain(&series.key_numbers))
+        .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
+        .flatten();
+    let of_lines = series.centrelines.iter().flatten().flatten().flatten();
+    if of_plots.chain(of_lines).all(|x| x.is_finite()) { Ok(series) } else { not_finite() }
 }
 
-/// How many of the modelled part make the whole body.
-pub fn halves(report: &Report<'_>) -> f64 {
-    match report.case.actuator.part {
-        Part::Half => 2.0,
-        Part::Whole => 1.0,
+/// A force on the whole body from that on the modelled part.
+pub fn whole_force(report: &Report<'_>, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if report.mirrored { [2.0 * x, 0.0, 2.0 * z] } else { [x, y, z] }
+}
+
+/// Collects the curves of a report.
+struct Collect<'a> {
+    report: &'a Report<'a>,
+    /// Displacements at rest.
+    rest: Vec<f64>,
+}
+
+impl Collect<'_> {
+    /// The numbers beside the slider, and the plots.
+    fn plots(&self) -> Result<(Vec<Plot>, Vec<Plot>), ReportError> {
+        let is_model = self.report.problem.clock == Clock::Steps;
+        let halves = self.report.halves();
+        let mut key_numbers = Vec::new();
+        let mut plots = Vec::new();
+        if let Some(angle) = self.column(|landed| landed.end_face_angle_deg) {
+            key_numbers.push(single("bent", "°", angle.clone()));
+            plots.push(single("Bending angle", "°", angle));
+        }
+        if is_model {
+            let displacements = self.displacements();
+            if let Some(first) = displacements.first().filter(|_| key_numbers.is_empty()) {
+                let name = if first.name == LARGEST { "largest displacement" } else { &first.name };
+                key_numbers.push(single(name, "mm", first.values.clone()));
+            }
+            let cavities = self.cavity_pressures();
+            if let Some(first) = cavities.first() {
+                key_numbers.push(single(&first.name, "kPa", first.values.clone()));
+            }
+            plots.extend(self.cavity_plots(cavities)?);
+            plots.extend(grouped("Displacement", "mm", displacements));
+            let force = |force: &[f64; 3]| Some(length(whole_force(self.report, *force)));
+            let mut reactions = self.named(|landed| &landed.reactions, force);
+            reactions.sort_by(|a, b| largest(&b.values).total_cmp(&largest(&a.values)));
+            let least = ROUNDING * reactions.first().map_or(0.0, |curve| largest(&curve.values));
+            reactions.retain(|curve| self.report.holds_whole(&curve.name) && largest(&curve.values) > least);
+            reactions.truncate(CURVES);
+            plots.extend(grouped("Reaction", "N", reactions));
+        } else {
+            let at_rest = measures::cavity_volume(self.report.problem, &self.rest)?;
+            let volumes = self.column_from(Some(at_rest), |landed| Some(landed.cavity_volume_mm3)).unwrap_or_default();
+            let volumes = volumes.into_iter().map(|mm3| halves * mm3 / LARGE).collect();
+            plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
+        }
+        let force = |obstacle: &Obstacle| obstacle.force_n.map(|force| length(whole_force(self.report, force)));
+        plots.extend(grouped("Force on obstacles", "N", self.named(|landed| &landed.obstacles, force)));
+        let area = self.column(|landed| Some(halves * landed.contact.area_mm2)).unwrap_or_default();
+        if self.report.may_touch() {
+            plots.push(single("Contact area", "mm²", area));
+        }
+        let stress = self.column(|landed| Some(landed.von_mises_p99_mpa)).unwrap_or_default();
+        plots.push(single("von Mises stress, 99 %", "MPa", stress));
+        Ok((key_numbers, plots))
+    }
+
+    /// Zero at rest and a value at every landed step, if all of them are there.
+    fn column(&self, of: impl Fn(&Landed) -> Option<f64>) -> Option<Vec<f64>> {
+        self.column_from(Some(0.0), of)
+    }
+
+    fn column_from(&self, rest: Option<f64>, of: impl Fn(&Landed) -> Option<f64>) -> Option<Vec<f64>> {
+        std::iter::once(rest).chain(self.report.summary.landed().map(|(_, landed)| of(landed))).collect()
+    }
+
+    /// A curve for everything that has a name and a value at every landed step.
+    fn named<T>(&self, of: impl Fn(&Landed) -> &BTreeMap<String, T>, value: impl Fn(&T) -> Option<f64>) -> Vec<Curve> {
+        let Some((_, first)) = self.report.summary.landed().next() else { return Vec::new() };
+        let curve = |name: &String| {
+            let values = self.column(|landed| of(landed).get(name).and_then(&value))?;
+            Some(Curve { name: name.clone(), values })
+        };
+        of(first).keys().filter_map(curve).collect()
+    }
+
+    fn cavity_pressures(&self) -> Vec<Curve> {
+        self.named(|landed| &landed.cavities, |cavity| cavity.pressure_kpa)
+    }
+
+    /// Pressure and volume of every cavity against time, or against each other where the volume is given.
+    fn cavity_plots(&self, pressures: Vec<Curve>) -> Result<Vec<Plot>, ReportError> {
+        let mut volumes = Vec::new();
+        for cavity in &self.report.problem.cavities {
+            let at_rest = measures::volume(self.report.problem, cavity, &self.rest)?;
+            let of = |landed: &Landed| landed.cavities.get(&cavity.name)?.volume_mm3;
+            if let Some(values) = self.column_from(at_rest, of) {
+                let values = values.into_iter().map(|mm3| self.report.halves() * mm3).collect();
+                volumes.push(Curve { name: cavity.name.clone(), values });
+            }
+        }
+        let is_large = volumes.iter().any(|curve| largest(&curve.values) >= LARGE);
+        let unit = if is_large { "cm³" } else { "mm³" };
+        for value in volumes.iter_mut().flat_map(|curve| &mut curve.values).filter(|_| is_large) {
+            *value /= LARGE;
+        }
+        let pumped: BTreeMap<&str, &Curve> = (self.report.problem.cavities.iter())
+            .filter(|cavity| matches!(cavity.control, Control::Volume(_)))
+            .filter_map(|cavity| Some((cavity.name.as_str(), volumes.iter().find(|curve| curve.name == cavity.name)?)))
+            .collect();
+        let mut plots = Vec::new();
+        for curve in &pressures {
+            if let Some(volume) = pumped.get(curve.name.as_str()) {
+                let over = Axis { name: "volume".into(), unit, values: volume.values.clone() };
+                let name = format!("Pressure, {}", curve.name);
+                plots.push(Plot { over: Some(over), ..single(&name, "kPa", curve.values.clone()) });
+            }
+        }
+        let others = |curves: &[Curve]| {
+            curves.iter().filter(|curve| !pumped.contains_key(curve.name.as_str())).cloned().collect()
+        };
+        plots.extend(grouped("Cavity pressure", "kPa", others(&pressures)));
+        let volumes = grouped("Cavity volume", unit, others(&volumes));
+        plots.extend(volumes.into_iter().map(|plot| Plot { from_zero: false, ..plot }));
+        Ok(plots)
+    }
+
+    /// How far the node that moves most, and the probes, are from where they were.
+    fn displacements(&self) -> Vec<Curve> {
+        let mut curves = Vec::new();
+        if let Some(states) = self.report.states {
+            let of = |state: &State| {
+                state.displacement.chunks_exact(3).map(|u| length([u[0], u[1], u[2]])).fold(0.0, f64::max)
+            };
+            let values = std::iter::once(0.0).chain(states.iter().map(of)).collect();
+            curves.push(Curve { name: LARGEST.into(), values });
+        }
+        curves.extend(self.named(|landed| &landed.probes, |u| Some(length(*u))));
+        curves
+    }
+
+    fn centrelines(&self) -> Result<Option<Vec<Vec<[f64; 2]>>>, ReportError> {
+        let mut lines = vec![measures::centreline(self.report.problem, &self.rest)?];
+        lines.extend(self.report.summary.landed().map(|(_, landed)| landed.centreline.clone()));
+        let count = lines[0].len();
+        Ok((count > 1 && lines.iter().all(|line| line.len() == count)).then_some(lines))
+    }
+}
+
+fn single(name: &str, unit: &'static str, values: Vec<f64>) -> Plot {
+    let curves = vec![Curve { name: String::new(), values }];
+    Plot { name: name.into(), unit, from_zero: true, over: None, curves }
+}
+
+/// Plots with a few of the curves each.
+fn grouped(name: &str, unit: &'static str, curves: Vec<Curve>) -> Vec<Plot> {
+    let plot = |curves: &[Curve]| Plot { curves: curves.to_vec(), ..single(name, unit, Vec::new()) };
+    curves.chunks(CURVES).map(plot).collect()
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |a, b| a.max(b.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::Summary;
+    use crate::testing::{summary_json, two_chambers};
+    use pneuflex_model::{Formulation, Problem};
+    use serde_json::{Value, json};
+
+    /// A pumped chamber with a support and an obstacle, at the times 1 and 2.
+    fn model() -> (Problem, Value) {
+        let mut problem = two_chambers(Formulation::Hex8Sri);
+        problem.clock = Clock::Steps;
+        problem.cavities[0].control = Control::Volume(pneuflex_model::Curve::Proportional(10.0));
+        let mut summary = summary_json(&[1.0, 2.0]);
+        for step in summary["steps"].as_array_mut().unwrap() {
+            let time = step["pressure_kpa"].take().as_f64().unwrap();
+            step["pressure_kpa"] = 7.0.into();
+            step["time"] = time.into();
+            step.as_object_mut().unwrap().remove("end_face_angle_deg");
+            step["centreline"] = json!([]);
+            step["cavities"] = json!({"cavity": {"pressure_kpa": 7.0 * time, "volume_mm3": 900.0 + 10.0 * time}});
+            step["reactions"] = json!({"clamp": [3.0 * time, 1.0, 4.0 * time], "symmetry": [0.0, 9.0, 0.0]});
+            step["obstacles"] = json!({"ball": {"force_n": [0.0, 0.5, time], "moment_nmm": [0, 0, 0]}});
+        }
+        (problem, summary)
+    }
+
+    fn of_summary(problem: &Problem, summary: Value, mirrored: bool) -> Result<Series, ReportError> {
+        let summary: Summary = serde_json::from_value(summary).unwrap();
+        of(&Report { title: "", about: "", inputs: &[], mirrored, problem, summary: &summary, states: None })
+    }
+
+    fn plot<'a>(series: &'a Series, name: &str) -> Option<&'a Plot> {
+        series.plots.iter().find(|plot| plot.name == name)
+    }
+
+    #[test]
+    fn a_model_is_plotted_against_time_and_a_pumped_cavity_against_its_volume() {
+        let (problem, summary) = model();
+        let series = of_summary(&problem, summary.clone(), false).unwrap();
+        assert_eq!(series.times, [0.0, 1.0, 2.0]);
+        assert!(series.centrelines.is_none() && plot(&series, "Bending angle").is_none());
+        let pumped = plot(&series, "Pressure, cavity").unwrap();
+        assert_eq!(pumped.curves[0].values, [0.0, 7.0, 14.0]);
+        let (volume, rest) = (pumped.over.as_ref().unwrap(), vec![0.0; problem.num_dofs()]);
+        let at_rest = measures::volume(&problem, &problem.cavities[0], &rest).unwrap().unwrap();
+        assert_eq!((&volume.values[..], volume.unit), (&[at_rest, 910.0, 920.0][..], "mm³"));
+        assert!(plot(&series, "Cavity pressure").is_none() && plot(&series, "Cavity volume").is_none());
+        let reactions = &plot(&series, "Reaction").unwrap().curves;
+        assert_eq!(reactions.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>(), ["clamp", "symmetry"]);
+        assert!((reactions[0].values[2] - 101_f64.sqrt()).abs() < 1e-12);
+        assert!((plot(&series, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(plot(&series, "Displacement").unwrap().curves[0].values[0], 0.0);
+
+        // Forces on the whole of a half: across the plane they cancel, along it they double; its plane holds nothing.
+        let whole = of_summary(&problem, summary, true).unwrap();
+        let reactions = &plot(&whole, "Reaction").unwrap().curves;
+        assert_eq!((reactions.len(), &reactions[0].values[..]), (1, &[0.0, 10.0, 20.0][..]));
+        assert_eq!(plot(&whole, "Pressure, cavity").unwrap().over.as_ref().unwrap().values[2], 1.84);
+    }
+
+    #[test]
+    fn what_a_summary_does_not_say_everywhere_is_not_plotted() {
+        let (mut problem, mut summary) = model();
+        problem.cavities[0].control = Control::Pressure(pneuflex_model::Curve::ZERO);
+        summary["steps"][1]["cavities"]["cavity"].as_object_mut().unwrap().remove("volume_mm3");
+        summary["steps"][0].as_object_mut().unwrap().remove("obstacles");
+        let series = of_summary(&problem, summary.clone(), false).unwrap();
+        assert!(plot(&series, "Cavity pressure").is_some() && plot(&series, "Cavity volume").is_none());
+        assert!(plot(&series, "Force on obstacles").is_none());
+        for step in summary["steps"].as_array_mut().unwrap() {
+            for key in ["cavities", "reactions", "obstacles", "probes", "centreline"] {
+                step.as_object_mut().unwrap().remove(key);
+            }
+        }
+        let names: Vec<String> =
+            of_summary(&problem, summary.clone(), false).unwrap().plots.into_iter().map(|plot| plot.name).collect();
+        assert_eq!(names, ["Contact area", "von Mises stress, 99 %"]);
+        summary["steps"][1]["time"] = 0.5.into();
+        assert_eq!(of_summary(&problem, summary, false), Err(ReportError::Order));
+    }
+
+    #[test]
+    fn many_cavities_share_plots_by_fours() {
+        let curves = vec![Curve { name: "a".into(), values: vec![0.0] }; 9];
+        let counts: Vec<usize> = grouped("p", "kPa", curves).iter().map(|plot| plot.curves.len()).collect();
+        assert_eq!(counts, [4, 4, 1]);
     }
 }

@@ -52,9 +52,10 @@ struct EdgeSide {
 }
 
 impl Skin {
-    /// The surface of a body made from `mesh`, whose air is behind the facets `cavity`.
-    pub fn new(mesh: &Mesh, cavity: &[Facet], body: &Body) -> Self {
-        let facets = parts(mesh, cavity);
+    /// The surface of a body made from `mesh`, whose air is behind the facets `cavity`, and whose other half, if it has one,
+    /// begins at the nodes `symmetry`.
+    pub fn new(mesh: &Mesh, cavity: &[Facet], symmetry: &[u32], body: &Body) -> Self {
+        let facets = parts(mesh, cavity, symmetry);
         let local = face_triangles(body.kind);
         let per_element = body.kind.num_nodes();
         let mut of_node = vec![Vec::new(); body.nodes.len()];
@@ -117,11 +118,13 @@ impl Lines {
 }
 
 /// The facets of the boundary: outside, cavity, symmetry plane.
-fn parts(mesh: &Mesh, cavity: &[Facet]) -> [Vec<Facet>; 3] {
+fn parts(mesh: &Mesh, cavity: &[Facet], symmetry: &[u32]) -> [Vec<Facet>; 3] {
     let mut in_plane = vec![false; mesh.num_nodes()];
-    for &node in mesh.node_set("symmetry") {
+    for &node in symmetry {
         in_plane[node as usize] = true;
     }
+    let mut cavity = cavity.to_vec();
+    cavity.sort_unstable();
     let mut parts: [Vec<Facet>; 3] = Default::default();
     for facet in mesh.boundary_facets() {
         let in_symmetry = mesh.facet_nodes(facet).iter().all(|&n| in_plane[n as usize]);
@@ -167,7 +170,7 @@ mod tests {
         for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
             let problem = two_chambers(formulation);
             let (mesh, body) = (&problem.mesh, Body::new(&problem.mesh));
-            let skin = Skin::new(mesh, &problem.cavity_facets(), &body);
+            let skin = Skin::new(mesh, &problem.cavity_facets(), mesh.node_set("symmetry"), &body);
             let at = |vertex: u32| body.nodes[skin.vertices[vertex as usize] as usize];
             let cone = |t: &[u32; 3]| volume([[0.0; 3], at(t[0]), at(t[1]), at(t[2])]);
             let sum: f64 = skin.triangles.iter().map(cone).sum();
@@ -188,7 +191,7 @@ mod tests {
     fn sharp_edges_are_those_between_flat_sides() {
         let problem = two_chambers(Formulation::Hex27);
         let mesh = &problem.mesh;
-        let skin = Skin::new(mesh, &problem.cavity_facets(), &Body::new(mesh));
+        let skin = Skin::new(mesh, &problem.cavity_facets(), mesh.node_set("symmetry"), &Body::new(mesh));
         // Every side of this body is in a plane across an axis: along a sharp edge two coordinates stay.
         for [a, b] in &skin.sharp_edges.pairs {
             let (a, b) = (mesh.nodes[*a as usize], mesh.nodes[*b as usize]);

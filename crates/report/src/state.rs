@@ -1,4 +1,4 @@
-//! The fields at one pressure.
+//! The fields at one pressure or time.
 
 use pneuflex_model::Problem;
 use pneuflex_post::vtu::Grid;
@@ -8,8 +8,8 @@ use crate::ReportError;
 /// Fields at the nodes of the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Air pressure, kPa.
-    pub pressure_kpa: f64,
+    /// Time of the load path: the air pressure in kPa of an actuator.
+    pub time: f64,
     /// Displacements, mm, three per node.
     pub displacement: Vec<f64>,
     /// von Mises stress, MPa.
@@ -19,7 +19,7 @@ pub struct State {
 }
 
 impl State {
-    /// The fields in the files of one pressure: the body's, and the contact walls' if there are any (see
+    /// The fields in the files of one step: the body's, and the contact walls' if there are any (see
     /// [`pneuflex_post::fields`]).
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl State {
             return Err(ReportError::NotFinite("TimeValue".into()));
         }
         let mut state = Self {
-            pressure_kpa: body.time,
+            time: body.time,
             displacement: field(body, "displacement", 3)?,
             von_mises: field(body, "von_mises", 1)?,
             contact_pressure: vec![0.0; nodes.len()],
@@ -96,7 +96,7 @@ mod tests {
         let body = fields::body(&problem, &u, &stress, 5.0).unwrap();
         let walls = fields::contact_walls(&problem, &u, &contact, 5.0).unwrap().unwrap();
         let state = State::from_grids(&problem, &body, Some(&walls)).unwrap();
-        assert_eq!((&state.displacement, state.pressure_kpa), (&u, 5.0));
+        assert_eq!((&state.displacement, state.time), (&u, 5.0));
         let pressed: Vec<usize> =
             (0..state.contact_pressure.len()).filter(|&n| state.contact_pressure[n] > 0.0).collect();
         assert!(!pressed.is_empty());

@@ -26,7 +26,7 @@ pub struct Summary {
     /// Where the probes sit, by their names.
     #[serde(default)]
     pub probes: BTreeMap<String, ProbeSite>,
-    /// Requested pressures in increasing order.
+    /// Requested pressures or times in increasing order.
     pub steps: Vec<Step>,
     /// Newton iterations.
     #[serde(default)]
@@ -59,14 +59,17 @@ pub struct ProbeSite {
     pub node: usize,
 }
 
-/// A requested pressure.
+/// A requested pressure of an actuator, or a requested time of a model.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Step {
-    /// Air pressure, kPa.
+    /// Time; left out for actuators.
+    #[serde(default)]
+    pub time: Option<f64>,
+    /// Air pressure, kPa; that of the first cavity of a model.
     pub pressure_kpa: f64,
     /// Whether it was reached.
     pub converged: bool,
-    /// Newton iterations spent since the previous pressure.
+    /// Newton iterations spent since the previous step.
     #[serde(default)]
     pub iterations: usize,
     /// What was found, if it was reached.
@@ -74,15 +77,17 @@ pub struct Step {
     pub landed: Option<Landed>,
 }
 
-/// What was found at a landed pressure.
+/// What was found at a landed step.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Landed {
     /// Displacement of every probe, mm.
     #[serde(default)]
     pub probes: BTreeMap<String, [f64; 3]>,
-    /// Angle of the end face, degrees, positive downwards.
-    pub end_face_angle_deg: f64,
-    /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip.
+    /// Angle of the end face, degrees, positive downwards; left out for a body without one.
+    #[serde(default)]
+    pub end_face_angle_deg: Option<f64>,
+    /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip; empty for a body without one.
+    #[serde(default)]
     pub centreline: Vec<[f64; 2]>,
     /// Largest von Mises stress, MPa.
     pub max_von_mises_mpa: f64,
@@ -92,12 +97,40 @@ pub struct Landed {
     pub contact: Contact,
     /// Volume of the modelled air, mm³.
     pub cavity_volume_mm3: f64,
+    /// Cavities of a model, by name.
+    #[serde(default)]
+    pub cavities: BTreeMap<String, Cavity>,
+    /// Sums of the reactions of a model's supports, N, by name.
+    #[serde(default)]
+    pub reactions: BTreeMap<String, [f64; 3]>,
+    /// Rigid obstacles, by name.
+    #[serde(default)]
+    pub obstacles: BTreeMap<String, Obstacle>,
     /// What to be careful about, as older versions wrote it.
     #[serde(default)]
     pub warning: Option<String>,
 }
 
-/// Contact at a landed pressure.
+/// A cavity at a landed step.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Cavity {
+    /// Pressure above the atmosphere's, kPa.
+    #[serde(default)]
+    pub pressure_kpa: Option<f64>,
+    /// Volume of what is modelled of it, mm³; left out for an open one.
+    #[serde(default)]
+    pub volume_mm3: Option<f64>,
+}
+
+/// An obstacle at a landed step.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Obstacle {
+    /// Force on it, N.
+    #[serde(default)]
+    pub force_n: Option<[f64; 3]>,
+}
+
+/// Contact at a landed step.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Contact {
     /// Reference area in contact, mm².
@@ -142,6 +175,9 @@ pub struct Warning {
     /// Pressure from which it holds, kPa.
     #[serde(default)]
     pub pressure_kpa: Option<f64>,
+    /// The same as a time, for models.
+    #[serde(default)]
+    pub time: Option<f64>,
     /// What was found.
     pub message: String,
     /// What to do about it.
@@ -149,22 +185,29 @@ pub struct Warning {
     pub advice: String,
 }
 
+impl Step {
+    /// The time of the load path: the air pressure in kPa of an actuator.
+    pub fn when(&self) -> f64 {
+        self.time.unwrap_or(self.pressure_kpa)
+    }
+}
+
 impl Summary {
-    /// Whether every requested pressure was reached.
+    /// Whether every requested pressure or time was reached.
     pub fn is_converged(&self) -> bool {
         self.status == "converged"
     }
 
-    /// The pressures that were reached, kPa, with what was found there.
+    /// The pressures (kPa) or times that were reached, with what was found there.
     pub fn landed(&self) -> impl Iterator<Item = (f64, &Landed)> {
-        self.steps.iter().filter_map(|step| Some((step.pressure_kpa, step.landed.as_ref()?)))
+        self.steps.iter().filter_map(|step| Some((step.when(), step.landed.as_ref()?)))
     }
 
     /// The warnings; those that older versions attached to steps if there is no list of them.
     pub fn all_warnings(&self) -> Vec<Warning> {
         let of_step = |(pressure, landed): (f64, &Landed)| {
             let message = landed.warning.clone()?;
-            Some(Warning { pressure_kpa: Some(pressure), message, advice: String::new() })
+            Some(Warning { pressure_kpa: Some(pressure), time: None, message, advice: String::new() })
         };
         self.warnings.clone().unwrap_or_else(|| self.landed().filter_map(of_step).collect())
     }

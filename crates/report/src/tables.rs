@@ -1,16 +1,14 @@
-//! The tables of the page: results, warnings, inputs, the run.
+//! What the page says of the run: why it ended, warnings, inputs, sizes and times.
 
 use maud::{Markup, html};
-use pneuflex_mesh::actuator::Part;
 
 use crate::Report;
-use crate::inputs::groups;
-use crate::series::halves;
-use crate::summary::{Landed, Step, Summary, Warning};
+use crate::summary::{Summary, Warning};
 
 /// Why the run ended early, and what to be careful about; nothing if there is nothing to say.
-pub fn notices(summary: &Summary) -> Markup {
-    let reached = summary.landed().last().map(|(pressure, _)| pressure);
+pub fn notices(report: &Report<'_>) -> Markup {
+    let summary = report.summary;
+    let reached = summary.landed().last().map(|(time, _)| report.words(time));
     let warnings = summary.all_warnings();
     html! {
         @if !summary.is_converged() {
@@ -19,24 +17,24 @@ pub fn notices(summary: &Summary) -> Markup {
                 @if let Some(failure) = &summary.failure { p { (failure) } }
                 @if let Some(reason) = &summary.failure_reason { p { "What to try: " (reason.advice) "." } }
                 @match reached {
-                    Some(pressure) => p { "Everything below shows what was reached, up to " strong { (number(pressure)) " kPa" } "." },
-                    None => p { "No pressure was reached: there is nothing to show but the actuator at rest." },
+                    Some(reached) => p { "Everything below shows what was reached, up to " strong { (reached) } "." },
+                    None => p { "No " (report.parameter()) " was reached: there is nothing to show but the " (report.noun()) " at rest." },
                 }
             }
         }
         @if !warnings.is_empty() {
             section .notice .warnings aria-label="Warnings" {
                 h2 { @if warnings.len() == 1 { "One warning" } @else { (warnings.len()) " warnings" } }
-                ul { @for warning in &warnings { (warning_item(warning)) } }
+                ul { @for warning in &warnings { (warning_item(report, warning)) } }
             }
         }
     }
 }
 
-fn warning_item(warning: &Warning) -> Markup {
+fn warning_item(report: &Report<'_>, warning: &Warning) -> Markup {
     html! {
         li {
-            @if let Some(pressure) = warning.pressure_kpa { strong { (number(pressure)) " kPa: " } }
+            @if let Some(time) = warning.time.or(warning.pressure_kpa) { strong { (report.words(time)) ": " } }
             (warning.message)
             @if !warning.advice.is_empty() { span .advice { " " (warning.advice) } }
         }
@@ -51,76 +49,6 @@ pub fn status_text(summary: &Summary) -> &str {
         "running" => "The run had not ended when this page was written",
         "interrupted" => "The run was interrupted",
         other => other,
-    }
-}
-
-/// Results at every requested pressure.
-pub fn results(report: &Report<'_>) -> Markup {
-    let steps = &report.summary.steps;
-    let halves = halves(report);
-    let probes: Vec<&String> = report.summary.probes.keys().collect();
-    html! {
-        section .sheet {
-            h2 { "Results at the computed pressures" }
-            div .scroll tabindex="0" role="region" aria-label="Results" {
-                table .results {
-                    thead {
-                        tr {
-                            th scope="col" { "pressure" span .unit { "kPa" } }
-                            th scope="col" { "bending angle" span .unit { "°" } }
-                            @for name in &probes {
-                                th scope="col" { (name) ": displacement x, y, z" span .unit { "mm" } }
-                            }
-                            th scope="col" { "von Mises, 99 %" span .unit { "MPa" } }
-                            th scope="col" { "von Mises, largest" span .unit { "MPa" } }
-                            th scope="col" { "contact area" span .unit { "mm²" } }
-                            th scope="col" { "gaps in contact" span .unit { "–" } }
-                            th scope="col" { "penetration" span .unit { "mm" } }
-                            th scope="col" { "air volume" span .unit { "cm³" } }
-                            th scope="col" { "iterations" span .unit { "–" } }
-                        }
-                    }
-                    tbody {
-                        @for step in steps {
-                            @match &step.landed {
-                                Some(landed) => (landed_row(step, landed, &probes, halves)),
-                                None => tr .missed {
-                                    th scope="row" { (number(step.pressure_kpa)) }
-                                    td colspan=(probes.len() + 7) { "not reached" }
-                                    td { (step.iterations) }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-            @if report.case.actuator.part == Part::Half {
-                p .note { "Areas and volumes are those of the whole actuator; summary.json holds those of the modelled half." }
-            }
-            p .note {
-                "99 % of the volume carries no more than the von Mises stress, 99 %. The largest value sits at a sharp inner \
-                 edge as a rule and grows as the mesh is refined."
-            }
-        }
-    }
-}
-
-fn landed_row(step: &Step, landed: &Landed, probes: &[&String], halves: f64) -> Markup {
-    html! {
-        tr {
-            th scope="row" { (number(step.pressure_kpa)) }
-            td { (fixed(landed.end_face_angle_deg, 2)) }
-            @for name in probes {
-                td { @if let Some(u) = landed.probes.get(*name) { (u.map(|x| fixed(x, 3)).join(", ")) } @else { "–" } }
-            }
-            td { (fixed(landed.von_mises_p99_mpa, 4)) }
-            td { (fixed(landed.max_von_mises_mpa, 4)) }
-            td { (fixed(halves * landed.contact.area_mm2, 1)) }
-            td { (landed.contact.gaps_in_contact) }
-            td { (fixed(landed.contact.max_penetration_mm, 4)) }
-            td { (fixed(halves * landed.cavity_volume_mm3 / 1000.0, 3)) }
-            td { (step.iterations) }
-        }
     }
 }
 
@@ -147,13 +75,16 @@ pub fn inputs(report: &Report<'_>) -> Markup {
         section .sheet {
             h2 { "What was computed" }
             div .groups {
-                @for group in groups(report.case) {
+                @for group in report.inputs {
                     table .inputs {
                         caption { (group.heading) }
                         tbody {
                             @for row in &group.rows {
                                 tr {
-                                    th scope="row" title=(row.meaning) { code { (row.key) } span .meaning { (row.meaning) } }
+                                    th scope="row" title=(row.meaning) {
+                                        code { (row.key) }
+                                        @if !row.meaning.is_empty() { span .meaning { (row.meaning) } }
+                                    }
                                     td { (row.value) @if !row.unit.is_empty() { " " span .unit { (row.unit) } } }
                                 }
                             }
@@ -191,7 +122,8 @@ pub fn number(x: f64) -> String {
     minus(x.to_string())
 }
 
-fn fixed(x: f64, digits: usize) -> String {
+/// A number with so many decimals.
+pub fn fixed(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     // No "−0.000".
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') { text.replace('-', "") } else { minus(text) }

@@ -10,6 +10,7 @@ use peak_alloc::PeakAlloc;
 use pneuflex_model::{Case, Formulation, Problem};
 use pneuflex_post::vtu::Grid;
 use pneuflex_post::{contact, fields, stress};
+use pneuflex_report::inputs::groups;
 use pneuflex_report::state::State;
 use pneuflex_report::summary::Summary;
 use pneuflex_report::{Report, render};
@@ -50,7 +51,16 @@ impl Folder {
         let summary: Summary = serde_json::from_str(&self.texts[SUMMARY]).map_err(|e| e.to_string())?;
         let (body, walls) = (grid(BODY)?, grid(WALLS)?);
         let states = [State::from_grids(problem, &body, Some(&walls)).map_err(|e| e.to_string())?];
-        render(&Report { case, problem, summary: &summary, states: Some(&states) }).map_err(|e| e.to_string())
+        let report = Report {
+            title: &case.title,
+            about: "2 chambers",
+            inputs: &groups(case),
+            mirrored: true,
+            problem,
+            summary: &summary,
+            states: Some(&states),
+        };
+        render(&report).map_err(|e| e.to_string())
     }
 }
 

@@ -57,6 +57,53 @@ pub fn look(browser: &mut Browser, screen: &Screen, results: &Results, pictures:
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
 }
 
+/// Opens the report of the two blocks of `fixtures/decks` on a screen: the same page with the time in place of the pressure.
+///
+/// # Errors
+/// The first thing that is not as it should be.
+pub fn look_at_blocks(
+    browser: &mut Browser,
+    screen: &Screen,
+    results: &Results,
+    pictures: &Path,
+) -> Result<(), String> {
+    let mut visit = Visit { browser, screen, results, pictures };
+    visit.open()?;
+    visit.picture("7-blocks")?;
+    let said = [visit.text("#time-readout")?, visit.text("#origin")?, visit.text("#ticks")?].join(" ");
+    expect(said.split_whitespace().eq(["time", "1.00", "computed", "0", "1"]), || format!("the slider says {said:?}"))?;
+    let plots = visit.text("#plots")?;
+    let force = results.summary["steps"][0]["reactions"]["RAM"].as_array().ok_or("no reaction of the ram")?;
+    let force = force.iter().filter_map(Value::as_f64).map(|f| f * f).sum::<f64>().sqrt();
+    expect(plots.contains(&format!("RAM\n{force:.2} N")) && !plots.contains("Bending"), || format!("plots: {plots}"))?;
+
+    visit.browser.evaluate("document.getElementById('time').scrollIntoView({block: 'center'})")?;
+    let [left, top, width, height] = visit.area("#time")?;
+    let at = |share: f64| [left + 10.0 + share * (width - 20.0), top + height / 2.0];
+    visit.browser.drag(&[at(1.0), at(0.8), at(0.5)])?;
+    let time = visit.browser.numbers("[pneuflex.time]")?[0];
+    let origin = visit.text("#origin")?;
+    expect((time - 0.5).abs() < 0.05 && origin == "interpolated between 0 and 1", || {
+        format!("the slider was dragged to {time}: {origin}")
+    })?;
+    // In the middle of the view there is something to read, at half the way of the ram.
+    visit.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
+    let [left, top, width, height] = visit.area("#canvas")?;
+    visit.press([left + width / 2.0, top + height / 2.0])?;
+    let moved = visit.browser.numbers("pneuflex.reading?.displacement ?? []")?;
+    expect(moved.len() == 3 && (0.0..1.0).contains(&distance(&moved, &[0.0; 3])), || {
+        format!("a click reads {moved:?}")
+    })?;
+    visit.click("#ticks button:last-child")?;
+    visit.click("input[value=contactPressure] + span")?;
+    let highest = visit.browser.numbers("pneuflex.legend")?.pop().unwrap_or(0.0);
+    expect(highest > 0.0, || "there is no contact".to_owned())?;
+    visit.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
+    visit.picture("8-blocks-contact")?;
+    let complaints = visit.browser.complaints()?;
+    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
+}
+
 /// Where there are no three-dimensional graphics, the page says so and shows the rest.
 ///
 /// # Errors
@@ -118,7 +165,7 @@ impl Visit<'_> {
         let last = steps.iter().rfind(|step| step["converged"] == true).ok_or("no pressure was reached")?;
         let u = last["probes"]["tip"].as_array().ok_or("no displacement of the tip")?;
         let displacement = u.iter().filter_map(Value::as_f64).collect();
-        Ok(Tip { node, at: self.results.problem.mesh.nodes[node], displacement })
+        Ok(Tip { node, at: self.results.mesh()?.nodes[node], displacement })
     }
 
     /// Clicks the tip in the section along the body and reads its displacement.
@@ -131,7 +178,7 @@ impl Visit<'_> {
         expect(distance(&shown, &expected) < TOLERANCE, || format!("the tip is at {shown:?} instead of {expected:?}"))?;
 
         // A little inside the body, where the tip is the nearest node.
-        let inside = self.results.problem.mesh.nearest_node([tip.at[0] - 2.0, 0.0, 2.0]).ok_or("an empty mesh")?.0;
+        let inside = self.results.mesh()?.nearest_node([tip.at[0] - 2.0, 0.0, 2.0]).ok_or("an empty mesh")?.0;
         self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
         let places = format!("[...pneuflex.placeOnPage({}), ...pneuflex.placeOnPage({inside})]", tip.node);
         let [x, y, u, v] = self.browser.numbers(&places)?[..] else { return Err("no place for the tip".into()) };
@@ -156,13 +203,13 @@ impl Visit<'_> {
     /// Drags the slider between two computed pressures: the body moves, the readings follow.
     fn slider(&mut self, tip: &Tip) -> Result<(), String> {
         let before = self.browser.numbers(&format!("pneuflex.positionOf({})", tip.node))?;
-        self.browser.evaluate("document.getElementById('pressure').scrollIntoView({block: 'center'})")?;
-        let [left, top, width, height] = self.area("#pressure")?;
+        self.browser.evaluate("document.getElementById('time').scrollIntoView({block: 'center'})")?;
+        let [left, top, width, height] = self.area("#time")?;
         let at = |share: f64| [left + 10.0 + share * (width - 20.0), top + height / 2.0];
         let steps = (0..=12).map(|i| at(1.0 - 0.05 * f64::from(i))).collect::<Vec<_>>();
         self.browser.drag(&steps)?;
-        let highest = self.browser.numbers("[Number(document.getElementById('pressure').max)]")?[0];
-        let pressure = self.browser.numbers("[pneuflex.pressure]")?[0];
+        let highest = self.browser.numbers("[Number(document.getElementById('time').max)]")?[0];
+        let pressure = self.browser.numbers("[pneuflex.time]")?[0];
         expect((pressure / highest - 0.4).abs() < 0.05, || {
             format!("the slider was dragged to {pressure} of {highest} kPa")
         })?;

@@ -1,7 +1,8 @@
 //! `cargo xtask report-test`: the report of a run in a real browser, with a real mouse.
 //!
-//! The program solves two chambers; Chromium opens the report from disk, at the size of a desk and of a phone, light and dark.
-//! Values read by clicks are compared with `summary.json`. Pictures of every stage are left in `target/report-test`.
+//! The program solves two chambers and, from a deck, two blocks; Chromium opens the reports from disk, at the size of a desk and of
+//! a phone, light and dark. Values read by clicks are compared with `summary.json`. Pictures of every stage are left in
+//! `target/report-test`.
 
 mod browser;
 mod checks;
@@ -10,6 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use pneuflex_mesh::Mesh;
 use pneuflex_model::{Case, Problem};
 use serde_json::Value;
 
@@ -23,7 +25,8 @@ const SOFTWARE: [&str; 3] = ["--use-angle=swiftshader", "--enable-unsafe-swiftsh
 struct Results {
     folder: PathBuf,
     summary: Value,
-    problem: Problem,
+    /// The mesh of an actuator.
+    mesh: Option<Mesh>,
 }
 
 /// Runs the test on two chambers, or on the result folder that is named.
@@ -65,6 +68,15 @@ fn test(folder: Option<&Path>) -> Result<PathBuf, String> {
         checks::look(&mut browser, screen, &results, &target).map_err(|e| format!("{}: {e}", screen.name))?;
         println!("report-test: {} passed", screen.name);
     }
+    if folder.is_none() {
+        let blocks = solve(&program, &root.join("fixtures/decks/blocks.inp"), &target.join("blocks"))?;
+        let blocks = Results { mesh: None, summary: read_summary(&blocks)?, folder: blocks };
+        for screen in &checks::SCREENS {
+            let looked = checks::look_at_blocks(&mut browser, screen, &blocks, &target);
+            looked.map_err(|e| format!("blocks, {}: {e}", screen.name))?;
+        }
+        println!("report-test: two blocks passed");
+    }
     drop(browser);
     let mut browser = Browser::start(&chromium, &target.join("profile-flat"), &["--disable-gpu", "--disable-3d-apis"])?;
     checks::without_graphics(&mut browser, &results).map_err(|e| format!("without WebGL: {e}"))?;
@@ -97,10 +109,21 @@ fn view(program: &Path, folder: &Path) -> Result<PathBuf, String> {
 
 impl Results {
     fn of(folder: PathBuf) -> Result<Self, String> {
-        let read = |name: &str| fs::read_to_string(folder.join(name)).map_err(|e| format!("{name}: {e}"));
-        let summary = serde_json::from_str(&read("summary.json")?).map_err(|e| format!("summary.json: {e}"))?;
-        let case: Case = toml::from_str(&read("case.toml")?).map_err(|e| format!("case.toml: {e}"))?;
+        let summary = read_summary(&folder)?;
+        let case: Case = toml::from_str(&read(&folder, "case.toml")?).map_err(|e| format!("case.toml: {e}"))?;
         let problem = Problem::from_case(&case).map_err(|e| format!("case.toml: {e}"))?;
-        Ok(Self { folder, summary, problem })
+        Ok(Self { folder, summary, mesh: Some(problem.mesh) })
     }
+
+    fn mesh(&self) -> Result<&Mesh, String> {
+        self.mesh.as_ref().ok_or_else(|| "the results are no actuator's".to_owned())
+    }
+}
+
+fn read(folder: &Path, name: &str) -> Result<String, String> {
+    fs::read_to_string(folder.join(name)).map_err(|e| format!("{name}: {e}"))
+}
+
+fn read_summary(folder: &Path) -> Result<Value, String> {
+    serde_json::from_str(&read(folder, "summary.json")?).map_err(|e| format!("summary.json: {e}"))
 }

@@ -12,29 +12,40 @@ use crate::study::Study;
 
 /// Writes it.
 pub fn write_description(text: &mut String, study: &Study) -> fmt::Result {
-    let Study { problem, times, .. } = study;
-    let mesh = &problem.mesh;
-    let number = |n: usize| thousands(n as u64);
     if !study.title.is_empty() {
         writeln!(text, "{}", study.title)?;
     }
-    let unknowns = problem.num_unknowns();
-    writeln!(
-        text,
-        "body      {} nodes, {} elements {}, {} unknowns, {:.6} mm3",
-        number(mesh.num_nodes()),
-        number(mesh.num_elements()),
-        problem.formulation,
-        number(unknowns),
-        mesh.volume()
-    )?;
+    for (kind, what) in understood(study) {
+        writeln!(text, "{kind:<9} {what}")?;
+    }
+    writeln!(text, "memory    about {}", size(Estimate::of_body(&study.problem.mesh).bytes))
+}
+
+/// What the parts of a model are, each with its kind.
+pub fn understood(study: &Study) -> Vec<(&'static str, String)> {
+    let Study { problem, times, .. } = study;
+    let mesh = &problem.mesh;
+    let number = |n: usize| thousands(n as u64);
+    let mut rows = Vec::new();
+    let mut row = |kind: &'static str, what: String| rows.push((kind, what));
+    row(
+        "body",
+        format!(
+            "{} nodes, {} elements {}, {} unknowns, {:.6} mm3",
+            number(mesh.num_nodes()),
+            number(mesh.num_elements()),
+            problem.formulation,
+            number(problem.num_unknowns()),
+            mesh.volume()
+        ),
+    );
     let (_, of_element) = problem.materials();
     let plain = of_element.iter().filter(|region| **region == 0).count();
     if plain > 0 {
-        write_material(text, "", plain, &problem.material)?;
+        row("material", material("", plain, &problem.material));
     }
     for region in &problem.regions {
-        write_material(text, &format!("{}: ", region.name), region.elements.len(), &region.material)?;
+        row("material", material(&format!("{}: ", region.name), region.elements.len(), &region.material));
     }
     for (kind, sets) in [
         ("nodes", mesh.node_sets.iter().map(|(name, nodes)| (name, nodes.len())).collect::<Vec<_>>()),
@@ -42,23 +53,21 @@ pub fn write_description(text: &mut String, study: &Study) -> fmt::Result {
         ("faces", mesh.facet_sets.iter().map(|(name, facets)| (name, facets.len())).collect()),
     ] {
         for (name, count) in sets {
-            writeln!(text, "{kind:<9} {name}: {}", number(count))?;
+            row(kind, format!("{name}: {}", number(count)));
         }
     }
     for support in &problem.supports {
         let axes: String =
             ["x", "y", "z"].iter().zip(support.axes).filter(|(_, held)| *held).map(|(a, _)| *a).collect();
-        write!(text, "support   {}: {} held in {axes}", support.name, plural(support.nodes.len(), "node"))?;
-        match &support.motion {
-            Some(motion) => {
-                writeln!(text, ", moved by {:?} mm times {}", motion.displacement, curve(&motion.curve, 1.0))?
-            }
-            None => writeln!(text)?,
-        }
+        let held = format!("{}: {} held in {axes}", support.name, plural(support.nodes.len(), "node"));
+        let moved = support.motion.as_ref().map_or(String::new(), |motion| {
+            format!(", moved by {:?} mm times {}", motion.displacement, curve(&motion.curve, 1.0))
+        });
+        row("support", held + &moved);
     }
     if !problem.equations.is_empty() {
         let terms: usize = problem.equations.iter().map(|equation| equation.terms.len()).sum();
-        writeln!(text, "equations {} with {}", number(problem.equations.len()), plural(terms, "term"))?;
+        row("equations", format!("{} with {}", number(problem.equations.len()), plural(terms, "term")));
     }
     for cavity in &problem.cavities {
         let control = match &cavity.control {
@@ -71,54 +80,50 @@ pub fn write_description(text: &mut String, study: &Study) -> fmt::Result {
                 gas.exponent
             ),
         };
-        writeln!(text, "cavity    {}: {}, {control}", cavity.name, plural(cavity.facets.len(), "face"))?;
+        row("cavity", format!("{}: {}, {control}", cavity.name, plural(cavity.facets.len(), "face")));
     }
     for load in &problem.loads {
         match load {
             Load::Force { nodes, force, curve: by } => {
-                writeln!(text, "force     {force:?} N on {} times {}", plural(nodes.len(), "node"), curve(by, 1.0))?;
+                row("force", format!("{force:?} N on {} times {}", plural(nodes.len(), "node"), curve(by, 1.0)));
             }
             Load::Traction { facets, traction, curve: by } => {
                 let faces = plural(facets.len(), "face");
-                writeln!(text, "traction  {traction:?} MPa on {faces} times {}", curve(by, 1.0))?;
+                row("traction", format!("{traction:?} MPa on {faces} times {}", curve(by, 1.0)));
             }
             Load::Pressure { facets, curve: by } => {
-                writeln!(text, "pressure  {} kPa on {}", curve(by, 1000.0), plural(facets.len(), "face"))?;
+                row("pressure", format!("{} kPa on {}", curve(by, 1000.0), plural(facets.len(), "face")));
             }
             Load::Gravity { elements, acceleration, curve: by } => {
                 let count = elements.as_ref().map_or(mesh.num_elements(), Vec::len);
                 let on = plural(count, "element");
-                writeln!(text, "gravity   {acceleration:?} mm/s2 on {on} times {}", curve(by, 1.0))?;
+                row("gravity", format!("{acceleration:?} mm/s2 on {on} times {}", curve(by, 1.0)));
             }
         }
     }
     for pair in &problem.contact_pairs {
         let [slave, master] = [&pair.slave, &pair.master].map(|facets| plural(facets.len(), "face"));
-        writeln!(text, "contact   {}: {slave} against {master}", pair.name)?;
+        row("contact", format!("{}: {slave} against {master}", pair.name));
     }
     let times: Vec<String> = times.iter().map(f64::to_string).collect();
-    writeln!(text, "times     {}", times.join(", "))?;
+    row("times", times.join(", "));
     for (name, site) in probe_sites(mesh, &study.probes) {
         let [x, y, z] = site.at;
         let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };
-        writeln!(text, "probe     {name}: node {} at ({x}, {y}, {z}){far}", site.node)?;
+        row("probe", format!("{name}: node {} at ({x}, {y}, {z}){far}", site.node));
     }
-    writeln!(text, "memory    about {}", size(Estimate::of_body(mesh).bytes))
+    rows
 }
 
-fn write_material(text: &mut String, name: &str, elements: usize, material: &Material) -> fmt::Result {
-    write!(
-        text,
-        "material  {name}{} of {}: {}, bulk modulus {} MPa",
+fn material(name: &str, elements: usize, material: &Material) -> String {
+    let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
+    format!(
+        "{name}{} of {}: {}, bulk modulus {} MPa{density}",
         plural(elements, "element"),
         material.law.name(),
         material.law,
         material.bulk_modulus
-    )?;
-    if material.density > 0.0 {
-        write!(text, ", {} g/cm3", material.density)?;
-    }
-    writeln!(text)
+    )
 }
 
 /// A curve in words, its values times a factor.

@@ -1,11 +1,10 @@
-// The actuator as three.js objects: surface, cut faces, lines, and its shape at rest; a second, mirrored half where a half was
+// The actuator, or any other body, as three.js objects: surface, cut faces, lines, and its shape at rest; a second, mirrored half where a half was
 // modelled. Both halves share their geometry.
 
 import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Sphere, Vector3 } from "three";
 import { integers } from "pneuflex/data";
 import { NO_PLANE, colourUniforms, flatMaterial, surfaceMaterial, useMap } from "pneuflex/material";
 import { Section } from "pneuflex/section";
-import { largest } from "pneuflex/states";
 
 export class Actuator {
   constructor(body, states) {
@@ -15,7 +14,7 @@ export class Actuator {
     this.triangles = integers(body.skin_triangles);
     // Lengths of the lists without the cavity, and without the symmetry plane.
     this.parts = { triangles: body.skin_parts, mesh: body.mesh_edges.parts, sharp: body.sharp_edges.parts };
-    this.colours = colourUniforms(2e-3 * largest(states.nodes));
+    this.colours = colourUniforms(1e-3 * states.size);
     this.field = "vonMises";
     this.whole = this.mirrored;
     this.plane = null;
@@ -135,7 +134,7 @@ export class Actuator {
     }
   }
 
-  /** Cuts across an axis (0, 1, 2) at a coordinate of the undeformed body and keeps the part below (side 1) or above (−1); null: no cut. */
+  /** Cuts across an axis (0, 1, 2) at a coordinate of the undeformed body, relative to the origin, and keeps the part below (side 1) or above (−1); null: no cut. */
   cut(plane) {
     this.plane = plane;
     for (const { sign, cap, skin, meshLines, sharpLines, section } of this.halves) {

@@ -9,11 +9,16 @@ export function fixed(x, decimals) {
 /** A number with about three digits that count. */
 export function short(x) {
   const size = Math.abs(x);
-  return fixed(x, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.1 ? 3 : 4);
+  if (size === 0) return "0";
+  if (size >= 0.01) return fixed(x, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.1 ? 3 : 4);
+  return exact(Number(x.toPrecision(3)));
 }
 
-/** A pressure in kPa. */
-export const kPa = (x) => String(Number(x.toFixed(1))).replace("-", "−");
+/** A number without the digits that binary arithmetic leaves behind. */
+export const exact = (x) => String(Number(x.toPrecision(9))).replace("-", "−");
+
+/** Decimals with which a number of this size has so many digits that count. */
+export const decimalsFor = (size, digits) => (size > 0 ? Math.min(Math.max(digits - 1 - Math.floor(Math.log10(size)), 0), 12) : 0);
 
 /** A round step (1, 2, 2.5 or 5 times a power of ten) that divides `span` into about `count` parts. */
 export function roundStep(span, count) {

@@ -1,5 +1,5 @@
-// Between the computed pressures: piecewise cubic Hermite interpolation that keeps monotone data monotone
-// (Fritsch & Butland 1984, SIAM J. Sci. Stat. Comput. 5). Exact at the computed pressures.
+// Between the computed times: piecewise cubic Hermite interpolation that keeps monotone data monotone
+// (Fritsch & Butland 1984, SIAM J. Sci. Stat. Comput. 5). Exact at the computed times.
 
 /** Lists of numbers that depend on one parameter, known at some of its values. */
 export class Curve {

@@ -1,30 +1,24 @@
-// The page's start. Data is read, the pressure is shared by everything that shows it, and the parts are put together:
+// The page's start. Data is read, the time (an actuator's is its air pressure) is shared by everything that shows it, and the
+// parts are put together:
 //   transport  slider and play button
-//   plots      curves against pressure
-//   viewer     the actuator in three dimensions (stage: camera; actuator: what is drawn; section, probe, legend)
+//   plots      curves against time
+//   viewer     the body in three dimensions (stage: camera; actuator: what is drawn; section, probe, legend)
 
 import { readData } from "pneuflex/data";
-import { Curve } from "pneuflex/interpolation";
 import { drawPlots } from "pneuflex/plots";
 import { connectSnapshots } from "pneuflex/snapshot";
 import { hasWebGL } from "pneuflex/stage";
-import { Pressure, Transport } from "pneuflex/transport";
+import { Clock, Transport } from "pneuflex/transport";
 import { Viewer } from "pneuflex/viewer";
 
 const data = readData();
-const pressure = new Pressure(data.series.map((point) => point.pressure));
-const hasTip = data.series.every(({ centreline }) => centreline.length > 0);
-const numbers = ({ angle, centreline }) => Float64Array.of(angle, ...(hasTip ? centreline[centreline.length - 1] : []));
-const curve = new Curve(pressure.computed, data.series.map(numbers));
-const transport = new Transport(pressure, (value) => {
-  const [angle, x, z] = curve.evaluate(value, new Float64Array(hasTip ? 3 : 1));
-  return { angle, tip: hasTip ? [x, z] : null };
-});
-drawPlots(document.getElementById("plots"), data.series, pressure);
+const clock = new Clock(data.clock, data.series.times);
+const transport = new Transport(clock, data.series);
+drawPlots(document.getElementById("plots"), data.series, clock);
 
 let viewer = null;
 if (data.body && hasWebGL()) {
-  viewer = new Viewer(data.body, pressure);
+  viewer = new Viewer(data.body, clock);
   connectSnapshots(viewer, data.title);
 } else if (data.body) {
   document.getElementById("stage").classList.add("empty");
@@ -39,20 +33,20 @@ document.getElementById("theme").addEventListener("click", () => {
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => viewer?.useTheme());
 
-// The first thing to see is how the actuator bends, once; unless whoever looks wants no motion.
-if (viewer && pressure.highest > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
-  pressure.set(0);
+// The first thing to see is how the body moves, once; unless whoever looks wants no motion.
+if (viewer && clock.highest > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+  clock.set(0);
   transport.play(true);
   document.addEventListener("pointerdown", () => transport.stop(), { once: true, capture: true });
 }
 
 /** What the page shows now, for tests and for the curious. Read only. */
 window.pneuflex = Object.freeze({
-  get pressure() {
-    return pressure.value;
+  get time() {
+    return clock.value;
   },
   get isComputed() {
-    return pressure.isComputed();
+    return clock.isComputed();
   },
   get field() {
     return viewer?.actuator.field;
@@ -70,10 +64,10 @@ window.pneuflex = Object.freeze({
   get camera() {
     return viewer?.stage.camera.position.toArray();
   },
-  /** Milliseconds that the last change of pressure took, without drawing. */
+  /** Milliseconds that the last change of the time took, without drawing. */
   get updateTime() {
     return viewer?.updateTime;
   },
-  positionOf: (node) => Array.from(viewer.states.position.subarray(3 * node, 3 * node + 3)),
+  positionOf: (node) => viewer.states.place(viewer.states.position, node),
   placeOnPage: (node) => viewer.placeOnPage(node),
 });

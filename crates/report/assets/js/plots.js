@@ -1,16 +1,10 @@
-// Plots against pressure as SVG, with a mark at the pressure shown. Dots are computed; the line between them is interpolated.
+// Plots against time (an actuator's is its air pressure) as SVG, with marks at the time shown. Dots are computed; the lines between
+// them are interpolated.
 
-import { fixed, kPa, short, tickTexts, ticks } from "pneuflex/format";
+import { fixed, short, tickTexts, ticks } from "pneuflex/format";
 import { Curve } from "pneuflex/interpolation";
 
 const SIZE = { width: 360, height: 176, left: 46, right: 14, top: 12, bottom: 34 };
-
-const QUANTITIES = [
-  { key: "angle", name: "Bending angle", unit: "°" },
-  { key: "volume", name: "Air volume", unit: "cm³" },
-  { key: "contact_area", name: "Contact area", unit: "mm²" },
-  { key: "stress", name: "von Mises stress, 99 %", unit: "MPa" },
-];
 
 function svg(name, attributes, ...children) {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -24,32 +18,64 @@ function scale([low, high], [from, to]) {
   return (x) => from + ((x - low) / (high - low)) * (to - from);
 }
 
+/** A drawing of one or more curves. Subclasses say where they are at a time (`points`) and in words (`texts`). */
 class Plot {
-  /** @param range `ticks` along x and y, and `ends` of the axes */
-  constructor({ name, unit, xLabel, size = SIZE }, pressure, curve, range) {
-    Object.assign(this, { name, unit, pressure, curve, size });
+  /**
+   * @param labels `name`, `unit`, `names` of several curves (else none), `xLabel`
+   * @param curve all numbers of the plot by time
+   * @param range `ticks` along x and y, and `ends` of the axes
+   */
+  constructor({ name, unit, names = [], xLabel, size = SIZE }, clock, curve, range) {
+    Object.assign(this, { name, unit, names, clock, curve, size });
     [this.xTicks, this.yTicks] = range.ticks;
     const { width, height, left, right, top, bottom } = size;
     this.x = scale(range.ends[0], [left, width - right]);
     this.y = scale(range.ends[1], [height - bottom, top]);
     this.drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": this.description() });
     this.axes(xLabel);
-    this.line();
-    this.value = document.createElement("span");
+    this.lines();
     this.element = document.createElement("figure");
-    const caption = document.createElement("figcaption");
-    this.value.className = "value";
-    caption.append(`${name}, ${unit}`, this.value);
-    this.element.append(caption, this.drawing);
+    this.element.append(this.caption(), this.drawing);
     this.drawing.addEventListener("pointermove", (event) => this.hover(event));
     this.drawing.addEventListener("pointerleave", () => this.hint.replaceChildren());
-    this.drawing.addEventListener("click", (event) => pressure.set(pressure.snapped(this.pressureAt(event))));
-    pressure.listen((value) => this.mark(value));
+    this.drawing.addEventListener("click", (event) => clock.set(clock.snapped(this.timeAt(event))));
+    clock.listen((value) => this.mark(value));
+  }
+
+  /** All numbers at a time. */
+  at(time) {
+    return this.curve.evaluate(time, new Float64Array(this.curve.values[0].length));
+  }
+
+  /** What a curve belongs to, before a text of its own. */
+  prefix(i) {
+    return this.names.length ? `${this.names[i]} ` : "";
   }
 
   description() {
-    const [from, to] = [0, this.pressure.highest].map((p) => this.text(this.at(p)));
-    return `${this.name}: from ${from} at rest to ${to} at ${kPa(this.pressure.highest)} kPa`;
+    const { highest } = this.clock;
+    const [from, to] = [0, highest].map((time) => this.texts(time));
+    const curves = from.map((text, i) => `${this.prefix(i)}from ${text} at rest to ${to[i]}`);
+    return `${this.name}: ${curves.join(", ")} at ${this.clock.writtenWords(highest)}`;
+  }
+
+  caption() {
+    const caption = document.createElement("figcaption");
+    const span = (className) => Object.assign(document.createElement("span"), { className });
+    caption.append([this.name, this.unit].filter(Boolean).join(", "));
+    this.values = this.points(0).map(() => span("value"));
+    if (this.names.length === 0) {
+      caption.append(...this.values);
+      return caption;
+    }
+    const keys = span("keys");
+    this.names.forEach((name, i) => {
+      const key = span(`key curve-${i}`);
+      key.append(Object.assign(span("name"), { textContent: name }), this.values[i]);
+      keys.append(key);
+    });
+    caption.append(keys);
+    return caption;
   }
 
   axes(xLabel) {
@@ -70,34 +96,46 @@ class Plot {
     this.drawing.append(grid, texts);
   }
 
-  line() {
-    const { computed, highest } = this.pressure;
+  lines() {
+    const { computed, highest } = this.clock;
     const samples = Array.from({ length: 161 }, (_, i) => (highest * i) / 160).concat(computed).sort((a, b) => a - b);
-    const place = (p) => this.place(p).map((c) => c.toFixed(2)).join(" ");
-    this.drawing.append(svg("path", { class: "line", d: `M${samples.map(place).join("L")}` }));
-    for (const p of computed) {
-      const [cx, cy] = this.place(p);
-      this.drawing.append(svg("circle", { class: "computed", cx, cy, r: 3 }));
-    }
+    const places = samples.map((time) => this.points(time));
+    const dots = computed.map((time) => this.points(time));
     this.needle = svg("line", { class: "needle" });
-    this.dot = svg("circle", { class: "now", r: 5 });
     this.hint = svg("g", { class: "hint" });
-    this.drawing.append(this.needle, this.dot, this.hint);
+    this.nows = this.points(0).map((_, i) => {
+      const group = svg("g", this.names.length ? { class: `curve-${i}` } : {});
+      group.append(svg("path", { class: "line", d: path(places.map((points) => points[i])) }));
+      for (const points of dots) group.append(svg("circle", { class: "computed", cx: points[i][0], cy: points[i][1], r: 3 }));
+      const now = svg("circle", { class: "now", r: 5 });
+      group.append(now);
+      this.drawing.append(group);
+      return now;
+    });
+    this.drawing.append(this.needle, this.hint);
   }
 
-  mark(value) {
-    const [x, y] = this.place(value);
-    this.dot.setAttribute("cx", x);
-    this.dot.setAttribute("cy", y);
-    this.setNeedle(x);
-    this.value.textContent = this.text(this.at(value));
+  mark(time) {
+    const points = this.points(time);
+    const texts = this.texts(time);
+    points.forEach(([x, y], i) => {
+      this.nows[i].setAttribute("cx", x);
+      this.nows[i].setAttribute("cy", y);
+      this.values[i].textContent = texts[i];
+    });
+    this.setNeedle(points[0][0]);
   }
 
+  /** Shows the value of the curve that is nearest to the pointer. */
   hover(event) {
-    const p = this.pressure.snapped(this.pressureAt(event));
-    const [x, y] = this.place(p);
+    const time = this.clock.snapped(this.timeAt(event));
+    const [px, py] = this.pointer(event);
+    const distances = this.points(time).map(([x, y]) => Math.hypot(x - px, y - py));
+    const i = distances.indexOf(Math.min(...distances));
+    const [x, y] = this.points(time)[i];
     const { width, right, left, top } = SIZE;
-    const text = svg("text", { y: Math.max(y - 10, top + 10) }, `${kPa(p)} kPa: ${this.text(this.at(p))}`);
+    const words = `${this.clock.words(time)}: ${this.prefix(i)}${this.texts(time)[i]}`;
+    const text = svg("text", { y: Math.max(y - 10, top + 10) }, words);
     this.hint.replaceChildren(svg("circle", { cx: x, cy: y, r: 4 }), text);
     const half = text.getComputedTextLength() / 2;
     text.setAttribute("x", Math.min(Math.max(x, left + half + 2), width - right - half));
@@ -111,63 +149,80 @@ class Plot {
   }
 }
 
-class Against extends Plot {
-  at(p) {
-    return this.curve.evaluate(p, new Float64Array(1));
+const path = (points) => `M${points.map((point) => point.map((c) => c.toFixed(2)).join(" ")).join("L")}`;
+
+const valueText = (value, unit) => `${short(value)} ${unit}`.replace(" °", "°");
+
+class AgainstTime extends Plot {
+  texts(time) {
+    return Array.from(this.at(time), (value) => valueText(value, this.unit));
   }
-  text([value]) {
-    return `${short(value)} ${this.unit}`.replace(" °", "°");
-  }
-  place(p) {
-    return [this.x(p), this.y(this.at(p)[0])];
+  points(time) {
+    return Array.from(this.at(time), (value) => [this.x(time), this.y(value)]);
   }
   setNeedle(x) {
     const { height, top, bottom } = SIZE;
     for (const [key, value] of Object.entries({ x1: x, x2: x, y1: top, y2: height - bottom })) this.needle.setAttribute(key, value);
   }
-  pressureAt(event) {
+  timeAt(event) {
     const { width, left, right } = SIZE;
-    const share = (this.pointer(event)[0] - left) / (this.x(this.pressure.highest) - left);
-    return Math.min(Math.max(share, 0), (width - right) / left) * this.pressure.highest;
+    const share = (this.pointer(event)[0] - left) / (this.x(this.clock.highest) - left);
+    return Math.min(Math.max(share, 0), (width - right) / left) * this.clock.highest;
   }
 }
 
-/** The bottom centreline: faint at the computed pressures, strong at the present one, with the path of its tip. */
-class Shape extends Plot {
-  at(p) {
-    return this.curve.evaluate(p, new Float64Array(this.curve.values[0].length));
-  }
-  text(line) {
-    const [x, z] = line.slice(-2);
-    return `tip ${fixed(x, 1)}, ${fixed(z, 1)}`;
-  }
-  place(p) {
-    const [x, z] = this.at(p).slice(-2);
-    return [this.x(x), this.y(z)];
-  }
-  path(line) {
-    const points = Array.from({ length: line.length / 2 }, (_, i) => `${this.x(line[2 * i]).toFixed(2)} ${this.y(line[2 * i + 1]).toFixed(2)}`);
-    return `M${points.join("L")}`;
-  }
-  line() {
-    for (const line of this.curve.values) this.drawing.append(svg("path", { class: "shape", d: this.path(line) }));
-    super.line();
-    this.shape = svg("path", { class: "shape present" });
-    this.drawing.insertBefore(this.shape, this.dot);
-  }
-  setNeedle() {
-    this.shape.setAttribute("d", this.path(this.at(this.pressure.value)));
-  }
-  /** The pressure at which the tip is nearest to the pointer. */
-  pressureAt(event) {
+/** A curve in a plane, along which time goes by. */
+class InPlane extends Plot {
+  /** The time at which the curve is nearest to the pointer. */
+  timeAt(event) {
     const [px, py] = this.pointer(event);
-    const { highest } = this.pressure;
-    const distance = (p) => {
-      const [x, y] = this.place(p);
+    const { highest } = this.clock;
+    const distance = (time) => {
+      const [[x, y]] = this.points(time);
       return Math.hypot(x - px, y - py);
     };
     const all = Array.from({ length: 201 }, (_, i) => (highest * i) / 200);
-    return all.map((p) => [distance(p), p]).reduce((a, b) => (b[0] < a[0] ? b : a))[1];
+    return all.map((time) => [distance(time), time]).reduce((a, b) => (b[0] < a[0] ? b : a))[1];
+  }
+  setNeedle() {}
+}
+
+/** One quantity over another. */
+class Over extends InPlane {
+  constructor(labels, ...more) {
+    super({ ...labels, xLabel: `${labels.over.name}, ${labels.over.unit}` }, ...more);
+  }
+  texts(time) {
+    return [valueText(this.at(time)[1], this.unit)];
+  }
+  points(time) {
+    const [x, y] = this.at(time);
+    return [[this.x(x), this.y(y)]];
+  }
+}
+
+/** The bottom centreline: faint at the computed times, strong at the present one, with the path of its tip. */
+class Shape extends InPlane {
+  texts(time) {
+    const [x, z] = this.at(time).slice(-2);
+    return [`tip ${fixed(x, 1)}, ${fixed(z, 1)}`];
+  }
+  points(time) {
+    const [x, z] = this.at(time).slice(-2);
+    return [[this.x(x), this.y(z)]];
+  }
+  path(line) {
+    return path(Array.from({ length: line.length / 2 }, (_, i) => [this.x(line[2 * i]), this.y(line[2 * i + 1])]));
+  }
+  lines() {
+    for (const line of this.curve.values) this.drawing.append(svg("path", { class: "shape", d: this.path(line) }));
+    super.lines();
+    this.shape = svg("path", { class: "shape present" });
+    const [now] = this.nows;
+    now.parentNode.insertBefore(this.shape, now);
+  }
+  setNeedle() {
+    this.shape.setAttribute("d", this.path(this.at(this.clock.value)));
   }
 }
 
@@ -186,26 +241,43 @@ function evenly(xs, ys) {
   return { size: { ...SIZE, height: tall + top + bottom }, range: { ticks: [within(x, 5), within(y, 4)], ends: [x, y] } };
 }
 
+const ends = (lists) => lists.map((list) => [list[0], list[list.length - 1]]);
+
+/** Round numbers around all values of a plot. */
+function around(lists, fromZero, count) {
+  const values = lists.flat();
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  if (fromZero) return ticks(Math.min(0, low), Math.max(0, high), count);
+  // What stays but for rounding is a straight line.
+  const least = 1e-6 * Math.max(Math.abs(low), Math.abs(high));
+  return ticks(low, Math.max(high, low + least), count);
+}
+
+function draw({ name, unit, from_zero: fromZero, over, curves }, clock) {
+  const yTicks = around(curves.map(({ values }) => values), fromZero, 4);
+  const xTicks = over ? around([over.values], false, 5) : ticks(0, clock.highest, 5);
+  const range = { ticks: [xTicks, yTicks], ends: ends([xTicks, yTicks]) };
+  const columns = [...(over ? [over] : []), ...curves].map(({ values }) => values);
+  const curve = new Curve(clock.computed, clock.computed.map((_, k) => Float64Array.from(columns, (values) => values[k])));
+  if (over) return new Over({ name, unit, over }, clock, curve, range);
+  const names = curves.map((curve) => curve.name).filter(Boolean);
+  return new AgainstTime({ name, unit, names, xLabel: clock.label }, clock, curve, range);
+}
+
+function drawShape(lines, clock) {
+  const [xs, zs] = [0, 1].map((d) => lines.flatMap((line) => line.map((point) => point[d])));
+  const { size, range } = evenly(xs, zs);
+  const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size };
+  return new Shape(labels, clock, new Curve(clock.computed, lines.map((line) => Float64Array.from(line.flat()))), range);
+}
+
 /** Draws all plots into `container`; `series` is the data's. */
-export function drawPlots(container, series, pressure) {
-  if (series.length < 2) {
-    container.textContent = "There is nothing to plot: no pressure was reached.";
+export function drawPlots(container, series, clock) {
+  if (clock.computed.length < 2) {
+    container.textContent = "There is nothing to plot: the body stayed at rest.";
     return;
   }
-  const column = (pick) => new Curve(pressure.computed, series.map((point) => Float64Array.from(pick(point))));
-  const xTicks = ticks(0, pressure.highest, 5);
-  const plots = QUANTITIES.map(({ key, name, unit }) => {
-    const values = series.map((point) => point[key]);
-    const low = key === "volume" ? Math.min(...values) : Math.min(0, ...values);
-    const both = [xTicks, ticks(low, Math.max(...values), 4)];
-    const range = { ticks: both, ends: both.map((list) => [list[0], list[list.length - 1]]) };
-    return new Against({ name, unit, xLabel: "pressure, kPa" }, pressure, column((p) => [p[key]]), range);
-  });
-  if (series.every(({ centreline }) => centreline.length > 1)) {
-    const [xs, zs] = [0, 1].map((d) => series.flatMap(({ centreline }) => centreline.map((point) => point[d])));
-    const { size, range } = evenly(xs, zs);
-    const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size };
-    plots.splice(1, 0, new Shape(labels, pressure, column((p) => p.centreline.flat()), range));
-  }
+  const plots = series.plots.map((plot) => draw(plot, clock));
+  if (series.centrelines) plots.splice(1, 0, drawShape(series.centrelines, clock));
   container.append(...plots.map((plot) => plot.element));
 }

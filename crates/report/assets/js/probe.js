@@ -1,7 +1,7 @@
-// Reading values at a node: a click chooses it, the numbers follow the pressure.
+// Reading values at a node: a click chooses it, the numbers follow the time.
 
 import { Mesh, MeshBasicMaterial, Raycaster, SphereGeometry, Triangle, Vector2, Vector3 } from "three";
-import { fixed } from "pneuflex/format";
+import { decimalsFor, fixed } from "pneuflex/format";
 
 export class Probe {
   constructor(element, stage, actuator, body) {
@@ -77,12 +77,13 @@ export class Probe {
   reading() {
     if (this.node === null) return null;
     const { nodes, position, displacement, values } = this.actuator.states;
-    const vector = (list) => [0, 1, 2].map((d) => (d === 1 ? this.sign : 1) * list[3 * this.node + d]);
+    const mirrored = (vector) => vector.map((x, d) => (d === 1 ? this.sign : 1) * x);
+    const place = (positions) => mirrored(this.actuator.states.place(positions, this.node));
     return {
       node: this.node,
-      reference: vector(nodes),
-      position: vector(position),
-      displacement: vector(displacement),
+      reference: place(nodes),
+      position: place(position),
+      displacement: mirrored(Array.from(displacement.subarray(3 * this.node, 3 * this.node + 3))),
       vonMises: values.vonMises[this.node],
       contactPressure: values.contactPressure[this.node],
     };
@@ -93,13 +94,15 @@ export class Probe {
     this.marker.visible = Boolean(reading);
     this.element.hidden = !reading;
     if (!reading) return;
-    this.marker.position.set(...reading.position);
-    const vector = (v) => v.map((x) => fixed(x, 3)).join(", ");
+    const { origin, size } = this.actuator.states;
+    this.marker.position.set(...reading.position.map((x, d) => x - origin[d]));
+    const decimals = Math.max(3, decimalsFor(size, 4));
+    const vector = (v) => v.map((x) => fixed(x, decimals)).join(", ");
     const rows = [
       ["undeformed", vector(reading.reference), "mm"],
       ["deformed", vector(reading.position), "mm"],
       ["displacement", vector(reading.displacement), "mm"],
-      ["", `|u| = ${fixed(Math.hypot(...reading.displacement), 3)}`, "mm"],
+      ["", `|u| = ${fixed(Math.hypot(...reading.displacement), decimals)}`, "mm"],
       ["von Mises", fixed(reading.vonMises, 4), "MPa"],
       ["contact", fixed(1000 * reading.contactPressure, 2), "kPa"],
     ];

@@ -1,5 +1,5 @@
 // A plane section of the undeformed body. Its points are fixed to the material: each lies on an edge of a tetrahedron, at a share
-// of the way from one node to another, and moves with both. Only a new plane needs a new section; a new pressure does not.
+// of the way from one node to another, and moves with both. Only a new plane needs a new section; a new time does not.
 
 export class Section {
   /** @param body nodes (reference positions), elements, nodesPerElement, tetrahedra (local nodes) */

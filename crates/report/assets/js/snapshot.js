@@ -4,9 +4,9 @@ import { colourAt } from "pneuflex/colours";
 import { tickTexts } from "pneuflex/format";
 import { FIELDS } from "pneuflex/legend";
 
-/** The view with legend, title and pressure on a canvas of its own. */
+/** The view with legend, title and time on a canvas of its own. */
 export function picture(viewer, title) {
-  const { stage, actuator, marks, pressure } = viewer;
+  const { stage, actuator, marks, clock } = viewer;
   stage.render();
   const { width, height } = stage.canvas;
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -19,7 +19,7 @@ export function picture(viewer, title) {
   draw.scale(unit, unit);
   draw.fillStyle = style.getPropertyValue("--ink");
   draw.font = "600 15px system-ui, sans-serif";
-  draw.fillText(`${title} · ${pressure.value.toFixed(1)} kPa`, 20, height / unit - 20);
+  draw.fillText(`${title} · ${clock.words(clock.value)}`, 20, height / unit - 20);
   drawLegend(draw, actuator.field, marks);
   return canvas;
 }
@@ -42,7 +42,7 @@ function drawLegend(draw, field, marks) {
 export function connectSnapshots(viewer, title) {
   document.getElementById("snapshot").addEventListener("click", () => {
     const link = document.createElement("a");
-    link.download = `${title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "actuator"}.png`;
+    link.download = `${title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "body"}.png`;
     link.href = picture(viewer, title).toDataURL("image/png");
     link.click();
   });

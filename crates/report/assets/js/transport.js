@@ -1,22 +1,46 @@
-// The pressure shown, and the slider, ticks and play button that change it.
+// The time shown (an actuator's is its air pressure), and the slider, ticks and play button that change it.
 
-import { fixed, kPa } from "pneuflex/format";
-import { interval } from "pneuflex/interpolation";
+import { decimalsFor, exact, fixed, short } from "pneuflex/format";
+import { Curve, interval } from "pneuflex/interpolation";
 
-/** Seconds from rest to the highest pressure. */
+/** Seconds from rest to the end. */
 const SWEEP = 4;
 
-/** The pressure shown, kPa. */
-export class Pressure {
-  /** @param {number[]} computed rest and the computed pressures */
-  constructor(computed) {
+/** The time shown: the parameter that results depend on, whatever its name. */
+export class Clock {
+  /**
+   * @param {{name: string, unit: string}} what what it stands for
+   * @param {number[]} computed rest and the computed times
+   */
+  constructor(what, computed) {
+    Object.assign(this, what);
     this.computed = computed;
     this.highest = computed[computed.length - 1];
     this.value = this.highest;
     this.listeners = [];
+    /** What stands along an axis. */
+    this.label = this.unit ? `${this.name}, ${this.unit}` : this.name;
+    // A hundredth of a schedule is worth showing.
+    this.decimals = this.unit ? 1 : decimalsFor(this.highest, 3);
   }
 
-  /** Calls `listener` with the pressure now and whenever it changes. */
+  /** A time in words, as it is now between two computed ones. */
+  words(value) {
+    const text = fixed(value, this.decimals);
+    return this.unit ? `${text} ${this.unit}` : `${this.name} ${text}`;
+  }
+
+  /** A computed time as somebody would write it. */
+  written(value) {
+    return this.unit ? String(Number(value.toFixed(1))).replace("-", "−") : exact(value);
+  }
+
+  /** The same in words. */
+  writtenWords(value) {
+    return this.unit ? `${this.written(value)} ${this.unit}` : `${this.name} ${this.written(value)}`;
+  }
+
+  /** Calls `listener` with the time now and whenever it changes. */
   listen(listener) {
     this.listeners.push(listener);
     listener(this.value);
@@ -27,7 +51,7 @@ export class Pressure {
     for (const listener of this.listeners) listener(this.value);
   }
 
-  /** A computed pressure if it is close by, so that a hand can find it. */
+  /** A computed time if it is close by, so that a hand can find it. */
   snapped(value) {
     const near = this.computed.find((p) => Math.abs(p - value) < 0.008 * this.highest);
     return near ?? value;
@@ -39,16 +63,17 @@ export class Pressure {
 }
 
 export class Transport {
-  /** @param numbers called with a pressure, returns the angle (degrees) and the tip's position [x, z] (mm) or null */
-  constructor(pressure, numbers) {
+  /** @param series the data's */
+  constructor(clock, series) {
     const byId = (id) => document.getElementById(id);
-    Object.assign(this, { pressure, numbers, slider: byId("pressure"), button: byId("play") });
-    this.output = byId("pressure-readout");
+    Object.assign(this, { clock, slider: byId("time"), button: byId("play") });
+    this.output = byId("time-readout");
     this.origin = byId("origin");
     this.keyNumbers = byId("key-numbers");
-    this.slider.max = pressure.highest || 1;
-    this.slider.disabled = this.button.disabled = pressure.highest === 0;
-    this.slider.addEventListener("input", () => this.choose(pressure.snapped(Number(this.slider.value))));
+    this.numbers = keyNumbers(series);
+    this.slider.max = clock.highest || 1;
+    this.slider.disabled = this.button.disabled = clock.highest === 0;
+    this.slider.addEventListener("input", () => this.choose(clock.snapped(Number(this.slider.value))));
     this.slider.addEventListener("keydown", (event) => this.key(event));
     this.button.addEventListener("click", () => (this.playing ? this.stop() : this.play()));
     byId("canvas")?.addEventListener("keydown", (event) => {
@@ -56,25 +81,39 @@ export class Transport {
       event.preventDefault();
       this.button.click();
     });
-    byId("ticks").append(...pressure.computed.map((p) => this.tick(p)));
-    pressure.listen((value) => this.show(value));
+    this.showTicks(byId("ticks"));
+    clock.listen((value) => this.show(value));
+  }
+
+  /** Marks at all computed times, with texts where there is room, the last one first. */
+  showTicks(element) {
+    let before = Infinity;
+    for (const value of this.clock.computed.toReversed()) {
+      const button = this.tick(value);
+      const share = value / (this.clock.highest || 1);
+      const room = (7 * button.textContent.length + 8) / 320;
+      if (before - share < room) button.textContent = "";
+      else before = share;
+      element.prepend(button);
+    }
   }
 
   tick(value) {
-    const button = Object.assign(document.createElement("button"), { type: "button", textContent: kPa(value) });
-    button.style.setProperty("--share", this.pressure.highest ? value / this.pressure.highest : 0);
-    button.setAttribute("aria-label", value ? `${kPa(value)} kPa` : "At rest");
+    const { clock } = this;
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: clock.written(value) });
+    button.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
+    button.setAttribute("aria-label", value ? clock.writtenWords(value) : "At rest");
     button.addEventListener("click", () => this.choose(value));
     return button;
   }
 
   choose(value) {
     this.stop();
-    this.pressure.set(value);
+    this.clock.set(value);
   }
 
   key(event) {
-    const { computed, value, highest } = this.pressure;
+    const { computed, value, highest } = this.clock;
     const goal = {
       ArrowLeft: value - highest / 100,
       ArrowDown: value - highest / 100,
@@ -91,33 +130,32 @@ export class Transport {
   }
 
   show(value) {
-    const { computed } = this.pressure;
+    const { clock } = this;
+    const { computed } = clock;
     this.slider.value = value;
-    this.slider.style.setProperty("--share", this.pressure.highest ? value / this.pressure.highest : 0);
-    this.output.textContent = `${fixed(value, 1)} kPa`;
+    this.slider.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
+    this.output.textContent = clock.words(value);
     const k = interval(computed, value);
-    const isComputed = this.pressure.isComputed();
+    const isComputed = this.clock.isComputed();
     this.origin.textContent = isComputed
       ? value === 0 ? "at rest" : "computed"
-      : `interpolated between ${kPa(computed[k])} and ${kPa(computed[k + 1])}`;
+      : `interpolated between ${clock.written(computed[k])} and ${clock.written(computed[k + 1])}`;
     this.origin.classList.toggle("interpolated", !isComputed);
-    this.slider.setAttribute("aria-valuetext", `${fixed(value, 1)} kPa, ${this.origin.textContent}`);
-    const { angle, tip } = this.numbers(value);
-    const place = tip ? `tip x ${fixed(tip[0], 1)}, z ${fixed(tip[1], 1)} mm` : "";
-    this.keyNumbers.textContent = [`bent ${fixed(angle, 1)}°`, place].filter(Boolean).join(" · ");
+    this.slider.setAttribute("aria-valuetext", `${clock.words(value)}, ${this.origin.textContent}`);
+    this.keyNumbers.textContent = this.numbers.map((text) => text(value)).join(" · ");
   }
 
-  /** To the highest pressure and back, until stopped; `once`: there, and no further. */
+  /** To the end and back, until stopped; `once`: there, and no further. */
   play(once = false) {
     this.stop();
-    const { highest, value } = this.pressure;
-    // Where on the wave the present pressure is.
+    const { highest, value } = this.clock;
+    // Where on the wave the present time is.
     const phase = value >= highest ? Math.PI : Math.acos(1 - (2 * value) / highest);
     const began = performance.now();
     const step = (now) => {
       const angle = phase + ((now - began) / 1000 / SWEEP) * Math.PI * (once ? 1.6 : 1);
       if (once && angle >= Math.PI) return this.choose(highest);
-      this.pressure.set((highest * (1 - Math.cos(angle))) / 2);
+      this.clock.set((highest * (1 - Math.cos(angle))) / 2);
       this.playing = requestAnimationFrame(step);
     };
     this.playing = requestAnimationFrame(step);
@@ -134,4 +172,21 @@ export class Transport {
     this.button.classList.toggle("playing", isPlaying);
     this.button.setAttribute("aria-label", isPlaying ? "Pause" : "Play");
   }
+}
+
+/** What is said beside the slider: functions from a time to a text. */
+function keyNumbers({ times, key_numbers: numbers, centrelines }) {
+  const texts = numbers.map(({ name, unit, curves: [{ values }] }) => {
+    const curve = new Curve(times, values.map((x) => Float64Array.of(x)));
+    const text = (x) => (unit === "°" ? `${fixed(x, 1)}°` : `${short(x)} ${unit}`);
+    return (time) => `${name} ${text(curve.evaluate(time, new Float64Array(1))[0])}`;
+  });
+  if (centrelines) {
+    const tip = new Curve(times, centrelines.map((line) => Float64Array.from(line[line.length - 1])));
+    texts.push((time) => {
+      const [x, z] = tip.evaluate(time, new Float64Array(2));
+      return `tip x ${fixed(x, 1)}, z ${fixed(z, 1)} mm`;
+    });
+  }
+  return texts;
 }

@@ -1,8 +1,8 @@
-// The view of the actuator with its legend, probe, views, and the controls of what is shown.
+// The view of the body with its legend, probe, views, and the controls of what is shown.
 
 import { Vector3 } from "three";
 import { Actuator } from "pneuflex/actuator";
-import { fixed } from "pneuflex/format";
+import { decimalsFor, fixed } from "pneuflex/format";
 import { FIELDS, Legend, legendTicks } from "pneuflex/legend";
 import { Probe } from "pneuflex/probe";
 import { Stage } from "pneuflex/stage";
@@ -11,8 +11,8 @@ import { States, largest } from "pneuflex/states";
 const byId = (id) => document.getElementById(id);
 
 export class Viewer {
-  constructor(body, pressure) {
-    this.pressure = pressure;
+  constructor(body, clock) {
+    this.clock = clock;
     this.states = new States(body);
     this.actuator = new Actuator(body, this.states);
     this.stage = new Stage(byId("canvas"), () => this.outline());
@@ -25,7 +25,7 @@ export class Viewer {
       renderOnly();
     };
     this.connect();
-    pressure.listen((value) => this.showPressure(value));
+    clock.listen((value) => this.showTime(value));
     this.showParts();
     this.useTheme();
     this.stage.look("iso", false);
@@ -53,7 +53,7 @@ export class Viewer {
     this.side = 1;
   }
 
-  showPressure(value) {
+  showTime(value) {
     const began = performance.now();
     this.states.evaluate(value);
     this.actuator.update();
@@ -65,14 +65,14 @@ export class Viewer {
 
   useField(field) {
     this.actuator.useField(field);
-    this.showPressure(this.pressure.value);
+    this.showTime(this.clock.value);
   }
 
   /** The range in the field's stored unit. */
   showLegend() {
     const { field } = this.actuator;
     const { scale } = FIELDS[field];
-    const typical = byId("fit").checked ? this.states.typicalAt(field, this.pressure.value) : largest(this.states.typical[field]);
+    const typical = byId("fit").checked ? this.states.typicalAt(field, this.clock.value) : largest(this.states.typical[field]);
     this.marks = legendTicks(scale * typical);
     this.actuator.useTop(this.marks[this.marks.length - 1] / scale);
     this.legend.show(field, this.marks, scale * largest(this.states.values[field]));
@@ -90,9 +90,8 @@ export class Viewer {
     const slider = byId("cut");
     for (const id of ["cut", "flip"]) byId(id).disabled = axis < 0;
     if (axis >= 0) {
-      const all = this.states.nodes.filter((_, i) => i % 3 === axis);
-      const high = largest(all);
-      const low = axis === 1 && this.actuator.whole ? -high : all.reduce((a, b) => Math.min(a, b), Infinity);
+      const [least, high] = this.states.box.map((corner) => corner[axis]);
+      const low = axis === 1 && this.actuator.whole ? -high : least;
       const changed = this.plane?.axis !== axis;
       [slider.min, slider.max] = [low, high];
       // A first cut shows something: through the middle, or along the body beside its symmetry plane.
@@ -106,15 +105,15 @@ export class Viewer {
   cut() {
     const { axis, side } = this;
     const at = Number(byId("cut").value);
-    const size = largest(this.states.nodes);
     // A hair beside the number, because cuts through whole layers of nodes, and along the seam of both halves, are ambiguous.
-    this.plane = axis >= 0 ? { axis, at: at + 5e-4 * size, side } : null;
-    byId("cut-readout").textContent = axis < 0 ? "–" : `${"xyz"[axis]} = ${fixed(at, 1)} mm`;
+    this.plane = axis >= 0 ? { axis, at: at + 3e-4 * this.states.size, side } : null;
+    const decimals = Math.max(1, decimalsFor(this.states.size, 3));
+    byId("cut-readout").textContent = axis < 0 ? "–" : `${"xyz"[axis]} = ${fixed(at + this.states.origin[axis], decimals)} mm`;
     this.actuator.cut(this.plane);
     this.stage.requestRender();
   }
 
-  /** Corners of what is ever in sight: the shapes at all computed pressures. */
+  /** Corners of what is ever in sight: the shapes at all computed times. */
   outline() {
     const { skinNodes, whole } = this.actuator;
     const points = [];

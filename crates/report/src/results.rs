@@ -1,0 +1,141 @@
+//! The table of results at every requested pressure or time.
+
+use maud::{Markup, html};
+use pneuflex_model::Clock;
+
+use crate::Report;
+use crate::series::whole_force;
+use crate::summary::Landed;
+use crate::tables::{fixed, number};
+
+/// Digits that count in the largest number of a column, at the least.
+const DIGITS: i32 = 3;
+
+/// Numbers that need more decimals are zero but for rounding.
+const MOST_DECIMALS: i32 = 9;
+
+/// A column: its heading, and a text for every landed step.
+struct Column {
+    heading: String,
+    unit: &'static str,
+    cells: Vec<String>,
+}
+
+impl Column {
+    /// Numbers with at least so many decimals; lists of them with commas between.
+    fn new<const N: usize>(
+        heading: &str,
+        unit: &'static str,
+        decimals: usize,
+        values: impl Iterator<Item = Option<[f64; N]>>,
+    ) -> Self {
+        let values: Vec<Option<[f64; N]>> = values.collect();
+        let largest = values.iter().flatten().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let needed = if largest > 0.0 { DIGITS - largest.log10().ceil() as i32 } else { 0 };
+        let decimals = if needed > MOST_DECIMALS { decimals } else { decimals.max(needed.max(0) as usize) };
+        let text = |value: Option<[f64; N]>| match value.filter(|numbers| numbers.iter().all(|x| x.is_finite())) {
+            Some(numbers) => numbers.map(|x| fixed(x, decimals)).join(", "),
+            None => "–".to_owned(),
+        };
+        Self { heading: heading.into(), unit, cells: values.into_iter().map(text).collect() }
+    }
+}
+
+/// Results at every requested pressure or time.
+pub fn results(report: &Report<'_>) -> Markup {
+    let columns = columns(report);
+    let mut landed = 0..;
+    let rows: Vec<_> =
+        report.summary.steps.iter().map(|step| (step, step.landed.as_ref().and_then(|_| landed.next()))).collect();
+    html! {
+        section .sheet {
+            h2 { "Results at the computed " (report.parameter()) "s" }
+            div .scroll tabindex="0" role="region" aria-label="Results" {
+                table .results {
+                    thead {
+                        tr {
+                            th scope="col" { (report.parameter()) span .unit { (if report.unit().is_empty() { "–" } else { report.unit() }) } }
+                            @for column in &columns { th scope="col" { (column.heading) span .unit { (column.unit) } } }
+                            th scope="col" { "iterations" span .unit { "–" } }
+                        }
+                    }
+                    tbody {
+                        @for (step, row) in &rows {
+                            tr .missed[row.is_none()] {
+                                th scope="row" { (number(step.when())) }
+                                @match row {
+                                    Some(row) => @for column in &columns { td { (column.cells[*row]) } },
+                                    None => td colspan=(columns.len()) { "not reached" },
+                                }
+                                td { (step.iterations) }
+                            }
+                        }
+                    }
+                }
+            }
+            @if report.mirrored {
+                p .note {
+                    "Areas, volumes and forces are those of the whole " (report.noun()) "; summary.json holds those of the modelled half."
+                }
+            }
+            p .note {
+                "99 % of the volume carries no more than the von Mises stress, 99 %. The largest value sits at a sharp inner \
+                 edge as a rule and grows as the mesh is refined."
+            }
+        }
+    }
+}
+
+fn columns(report: &Report<'_>) -> Vec<Column> {
+    let (summary, halves) = (report.summary, report.halves());
+    let is_model = report.problem.clock == Clock::Steps;
+    let landed = || summary.landed().map(|(_, landed)| landed);
+    let one = |heading: &str, unit, decimals, of: &dyn Fn(&Landed) -> Option<f64>| {
+        Column::new(heading, unit, decimals, landed().map(|step| of(step).map(|x| [x])))
+    };
+    let mut columns = Vec::new();
+    if !is_model || landed().any(|step| step.end_face_angle_deg.is_some()) {
+        columns.push(one("bending angle", "°", 2, &|step| step.end_face_angle_deg));
+    }
+    for name in names(landed().map(|step| step.cavities.keys())) {
+        let cavity = |step: &Landed| step.cavities.get(name).copied();
+        columns.push(one(&format!("{name}: pressure"), "kPa", 2, &|step| cavity(step)?.pressure_kpa));
+        if landed().any(|step| cavity(step).is_some_and(|cavity| cavity.volume_mm3.is_some())) {
+            let volume = |step: &Landed| Some(halves * cavity(step)?.volume_mm3?);
+            columns.push(one(&format!("{name}: volume"), "mm³", 1, &volume));
+        }
+    }
+    for name in summary.probes.keys() {
+        let of = landed().map(|step| step.probes.get(name).copied());
+        columns.push(Column::new(&format!("{name}: displacement x, y, z"), "mm", 3, of));
+    }
+    for name in names(landed().map(|step| step.reactions.keys().filter(|name| report.holds_whole(name)))) {
+        let of = landed().map(|step| step.reactions.get(name).map(|force| whole_force(report, *force)));
+        columns.push(Column::new(&format!("{name}: reaction x, y, z"), "N", 3, of));
+    }
+    for name in names(landed().map(|step| step.obstacles.keys())) {
+        let of = landed().map(|step| step.obstacles.get(name)?.force_n.map(|force| whole_force(report, force)));
+        columns.push(Column::new(&format!("{name}: force on it x, y, z"), "N", 3, of));
+    }
+    columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
+    columns.push(one("von Mises, largest", "MPa", 4, &|step| Some(step.max_von_mises_mpa)));
+    if report.may_touch() {
+        columns.push(one("contact area", "mm²", 1, &|step| Some(halves * step.contact.area_mm2)));
+        let gaps = if is_model { "pairs in contact" } else { "gaps in contact" };
+        let cells = landed().map(|step| step.contact.gaps_in_contact.to_string()).collect();
+        columns.push(Column { heading: gaps.into(), unit: "–", cells });
+        columns.push(one("penetration", "mm", 4, &|step| Some(step.contact.max_penetration_mm)));
+    }
+    if !is_model {
+        columns.push(one("air volume", "cm³", 3, &|step| Some(halves * step.cavity_volume_mm3 / 1000.0)));
+    }
+    columns
+}
+
+/// All names, each once.
+fn names<'a>(keys: impl Iterator<Item = impl Iterator<Item = &'a String>>) -> Vec<&'a String> {
+    let mut names: Vec<&String> = keys.flatten().collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
