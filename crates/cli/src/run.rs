@@ -53,8 +53,9 @@ fn report_or_warn(folder: &OutputFolder, progress: &mut Progress) {
 /// # Errors
 /// Bad input, found before anything is solved or written; results that cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
-    let study = Study::load(&arguments.case.case, &arguments.case.set, arguments.solve.force)?;
+    // Before anything uses threads: reading does, to see whether an obstacle overlaps the body.
     use_threads(arguments.solve.threads)?;
+    let study = Study::load(&arguments.case.case, &arguments.case.set, arguments.solve.force)?;
     let default = || PathBuf::from("out").join(study.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let start = if arguments.resume { checkpoint::load(&folder, &study)? } else { Start::AtRest };

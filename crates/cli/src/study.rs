@@ -230,6 +230,9 @@ struct Body {
 
 /// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
 fn overlap(problem: &Problem) -> Option<CaseError> {
+    if problem.obstacles.is_empty() {
+        return None;
+    }
     let at_rest = contact::evaluate(problem, &vec![0.0; problem.num_dofs()]).ok()?;
     let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;

@@ -24,7 +24,8 @@ fn the_clamp_carries_what_the_actuator_presses_on_the_obstacle_with() {
     for (case, obstacle) in [("blocked_force", "table"), ("grip_sphere", "ball")] {
         let scratch = Scratch::new(case);
         let coarse = ["mesh.size=4.5", "mesh.element=hex8-q1p0", "load.pressure_kpa=[20, 50]"];
-        let mut arguments = vec!["run".to_owned(), fixture(&format!("{case}.toml"))];
+        let words = ["run", &fixture(&format!("{case}.toml")), "--threads", "1"];
+        let mut arguments = words.map(str::to_owned).to_vec();
         arguments.extend(coarse.iter().flat_map(|set| ["--set".to_owned(), (*set).to_owned()]));
         let ended = scratch.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(ended.code, 0, "{ended:?}");
