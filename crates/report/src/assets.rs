@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 18] = [
+const MODULES: [(&str, &str); 19] = [
     ("three", include_str!("../assets/vendor/three.module.min.js")),
     ("three/orbit-controls", include_str!("../assets/vendor/OrbitControls.js")),
     ("pneuflex/main", include_str!("../assets/js/main.js")),
@@ -18,6 +18,7 @@ const MODULES: [(&str, &str); 18] = [
     ("pneuflex/states", include_str!("../assets/js/states.js")),
     ("pneuflex/section", include_str!("../assets/js/section.js")),
     ("pneuflex/actuator", include_str!("../assets/js/actuator.js")),
+    ("pneuflex/obstacles", include_str!("../assets/js/obstacles.js")),
     ("pneuflex/stage", include_str!("../assets/js/stage.js")),
     ("pneuflex/viewer", include_str!("../assets/js/viewer.js")),
     ("pneuflex/probe", include_str!("../assets/js/probe.js")),

@@ -6,6 +6,7 @@
 //! * [`summary`]: what is read of `summary.json`.
 //! * [`state`]: the fields of one pressure or time, from their `.vtu` files.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
+//! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
 //! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table.
 //! * [`quantise`]: lists of numbers as text with a known error.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
@@ -16,6 +17,7 @@
 pub mod assets;
 pub mod body;
 pub mod inputs;
+pub mod obstacles;
 pub mod page;
 mod payload;
 pub mod quantise;

@@ -172,6 +172,7 @@ fn options(report: &Report<'_>) -> Markup {
             fieldset {
                 legend { "Show" }
                 @if report.mirrored { (tick("whole", "both halves", true)) }
+                @if !report.problem.obstacles.is_empty() { (tick("obstacles", "obstacles", true)) }
                 (tick("ghost", "rest shape", true))
                 (tick("mesh", "mesh", false))
             }
@@ -186,16 +187,26 @@ mod tests {
     use crate::summary::Summary;
     use crate::testing::{summary_json, two_chambers};
     use pneuflex_mesh::Actuator;
-    use pneuflex_model::{Case, Clock, Formulation, Problem};
+    use pneuflex_model::{Case, Clock, Formulation, Obstacle, Problem, Shape};
     use serde_json::json;
 
     fn page(title: &str, change: impl Fn(&mut serde_json::Value)) -> String {
+        page_of(two_chambers(Formulation::Hex8Sri), title, change)
+    }
+
+    /// The body in the data of a page.
+    fn body_of(html: &str) -> serde_json::Value {
+        let (_, data) = html.split_once("id=\"report-data\" type=\"application/json\">").unwrap();
+        let data: serde_json::Value = serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap();
+        data["body"].clone()
+    }
+
+    fn page_of(problem: Problem, title: &str, change: impl Fn(&mut serde_json::Value)) -> String {
         let case: Case = serde_json::from_value(json!({
             "title": title, "load": {"pressure_kpa": [5.0]}, "probe": [{"name": "<i>tip", "at": [18, 0, 0]}],
             "actuator": serde_json::to_value(Actuator::two_chambers()).unwrap()
         }))
         .unwrap();
-        let problem: Problem = two_chambers(Formulation::Hex8Sri);
         let mut summary = summary_json(&[5.0]);
         change(&mut summary);
         let summary: Summary = serde_json::from_value(summary).unwrap();
@@ -276,6 +287,30 @@ mod tests {
         let (before, _) = html.split_once("report-data").unwrap();
         let shown = before.split("<main>").nth(1).unwrap();
         assert!(!shown.contains("bending") && !shown.contains("NaN") && !shown.contains("actuator"));
+    }
+
+    #[test]
+    fn the_page_holds_obstacles_and_what_presses_on_them() {
+        let force = |summary: &mut serde_json::Value| {
+            summary["steps"][0]["obstacles"] = json!({"<b>ball": {"force_n": [0.0, 0.1, -0.5], "area_mm2": 3.0}});
+        };
+        let none = page("t", force);
+        assert!(!none.contains("id=\"obstacles\"") && body_of(&none)["obstacles"].is_null());
+
+        let mut problem = two_chambers(Formulation::Hex8Sri);
+        let shape = Shape::Sphere { centre: [9.0, 0.0, -8.0], radius: 5.0, is_hollow: false };
+        let ball = Obstacle { name: "<b>ball".into(), shape, facets: Vec::new(), stiffness: 1.0, motion: None };
+        problem.obstacles.push(ball);
+        let html = page_of(problem, "t", force);
+        assert!(html.contains("id=\"obstacles\"") && !html.contains("<b>ball"));
+        let drawn = &body_of(&html)["obstacles"][0];
+        assert_eq!(
+            (&drawn["name"], &drawn["shape"], &drawn["mirrored"]),
+            (&json!("<b>ball"), &json!("sphere"), &json!(false))
+        );
+        assert_eq!((&drawn["centre"], &drawn["size"]), (&json!([9.0, 0.0, -8.0]), &json!([10.0, 10.0, 10.0])));
+        // The force on the whole obstacle.
+        assert!(html.contains("force on it x, y, z") && html.contains("0.000, 0.000, −1.000"));
     }
 
     #[test]

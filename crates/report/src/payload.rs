@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::body::Body;
+use crate::obstacles::{self, Drawn};
 use crate::quantise::{Quantised, floats, integers};
 use crate::series::Series;
 use crate::skin::{Lines, Skin};
@@ -41,6 +42,8 @@ struct BodyData<'a> {
     skin_parts: [usize; 2],
     mesh_edges: LineData,
     sharp_edges: LineData,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    obstacles: Vec<Drawn<'a>>,
     probes: Vec<ProbeData<'a>>,
     /// Nodes of the mesh; those beyond were added.
     mesh_nodes: usize,
@@ -113,6 +116,7 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a
         skin_parts: skin.parts,
         mesh_edges: lines(&skin.mesh_edges),
         sharp_edges: lines(&skin.sharp_edges),
+        obstacles: obstacles::drawn(report, origin)?,
         probes: probes.map(|(name, site)| ProbeData { name, node: site.node }).collect(),
         mesh_nodes: mesh.num_nodes(),
         states: states.iter().zip(p99).map(typical).collect::<Result<_, _>>()?,

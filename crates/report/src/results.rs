@@ -4,7 +4,8 @@ use maud::{Markup, html};
 use pneuflex_model::Clock;
 
 use crate::Report;
-use crate::series::whole_force;
+use crate::obstacles::is_symmetric;
+use crate::series::{force_on_obstacle, halves_at, whole_force};
 use crate::summary::Landed;
 use crate::tables::{fixed, number};
 
@@ -78,6 +79,9 @@ pub fn results(report: &Report<'_>) -> Markup {
                     "Areas, volumes and forces are those of the whole " (report.noun()) "; summary.json holds those of the modelled half."
                 }
             }
+            @if report.mirrored && !report.problem.obstacles.iter().all(is_symmetric) {
+                p .note { "An obstacle beside the plane of symmetry stands for two: the force is that on one of them." }
+            }
             p .note {
                 "99 % of the volume carries no more than the von Mises stress, 99 %. The largest value sits at a sharp inner \
                  edge as a rule and grows as the mesh is refined."
@@ -114,8 +118,11 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
         columns.push(Column::new(&format!("{name}: reaction x, y, z"), "N", 3, of));
     }
     for name in names(landed().map(|step| step.obstacles.keys())) {
-        let of = landed().map(|step| step.obstacles.get(name)?.force_n.map(|force| whole_force(report, force)));
+        let of =
+            landed().map(|step| step.obstacles.get(name)?.force_n.map(|force| force_on_obstacle(report, name, force)));
         columns.push(Column::new(&format!("{name}: force on it x, y, z"), "N", 3, of));
+        let area = |step: &Landed| Some(halves_at(report, name) * step.obstacles.get(name)?.area_mm2?);
+        columns.push(one(&format!("{name}: contact area"), "mm²", 1, &area));
     }
     columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
     columns.push(one("von Mises, largest", "MPa", 4, &|step| Some(step.max_von_mises_mpa)));

@@ -6,6 +6,7 @@ use pneuflex_model::{Clock, Control};
 use pneuflex_post::measures;
 use serde::Serialize;
 
+use crate::obstacles::is_symmetric;
 use crate::state::State;
 use crate::summary::{Landed, Obstacle};
 use crate::{Report, ReportError};
@@ -100,6 +101,17 @@ pub fn whole_force(report: &Report<'_>, [x, y, z]: [f64; 3]) -> [f64; 3] {
     if report.mirrored { [2.0 * x, 0.0, 2.0 * z] } else { [x, y, z] }
 }
 
+/// How many modelled parts touch an obstacle: one that is beside the plane of symmetry has a mirror image of its own.
+pub fn halves_at(report: &Report<'_>, obstacle: &str) -> f64 {
+    let found = report.problem.obstacles.iter().find(|known| known.name == obstacle);
+    if found.is_none_or(is_symmetric) { report.halves() } else { 1.0 }
+}
+
+/// The force on an obstacle from that of the modelled part.
+pub fn force_on_obstacle(report: &Report<'_>, name: &str, force: [f64; 3]) -> [f64; 3] {
+    if halves_at(report, name) > 1.0 { whole_force(report, force) } else { force }
+}
+
 /// Collects the curves of a report.
 struct Collect<'a> {
     report: &'a Report<'a>,
@@ -143,12 +155,11 @@ impl Collect<'_> {
             let volumes = volumes.into_iter().map(|mm3| halves * mm3 / LARGE).collect();
             plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
         }
-        let force = |obstacle: &Obstacle| obstacle.force_n.map(|force| length(whole_force(self.report, force)));
-        plots.extend(grouped("Force on obstacles", "N", self.named(|landed| &landed.obstacles, force)));
-        let area = self.column(|landed| Some(halves * landed.contact.area_mm2)).unwrap_or_default();
-        if self.report.may_touch() {
-            plots.push(single("Contact area", "mm²", area));
-        }
+        let force = |name: &str, obstacle: &Obstacle| {
+            obstacle.force_n.map(|force| length(force_on_obstacle(self.report, name, force)))
+        };
+        plots.extend(grouped("Force on obstacles", "N", self.of_obstacles(force)));
+        plots.extend(self.contact_areas());
         let stress = self.column(|landed| Some(landed.von_mises_p99_mpa)).unwrap_or_default();
         plots.push(single("von Mises stress, 99 %", "MPa", stress));
         Ok((key_numbers, plots))
@@ -171,6 +182,28 @@ impl Collect<'_> {
             Some(Curve { name: name.clone(), values })
         };
         of(first).keys().filter_map(curve).collect()
+    }
+
+    /// A curve for every obstacle that has a value at every landed step.
+    fn of_obstacles(&self, value: impl Fn(&str, &Obstacle) -> Option<f64>) -> Vec<Curve> {
+        let Some((_, first)) = self.report.summary.landed().next() else { return Vec::new() };
+        let curve = |name: &String| {
+            let values = self.column(|landed| value(name, landed.obstacles.get(name)?))?;
+            Some(Curve { name: name.clone(), values })
+        };
+        first.obstacles.keys().filter_map(curve).collect()
+    }
+
+    /// Contact between walls, and on every obstacle.
+    fn contact_areas(&self) -> Vec<Plot> {
+        let mut curves = self.of_obstacles(|name, obstacle| Some(halves_at(self.report, name) * obstacle.area_mm2?));
+        if let Some(values) = self.column(|landed| Some(self.report.halves() * landed.contact.area_mm2))
+            && self.report.may_touch()
+        {
+            let name = if curves.is_empty() { String::new() } else { "between walls".into() };
+            curves.insert(0, Curve { name, values });
+        }
+        grouped("Contact area", "mm²", curves)
     }
 
     fn cavity_pressures(&self) -> Vec<Curve> {
@@ -260,7 +293,7 @@ mod tests {
     use super::*;
     use crate::summary::Summary;
     use crate::testing::{summary_json, two_chambers};
-    use pneuflex_model::{Formulation, Problem};
+    use pneuflex_model::{Formulation, Problem, Shape};
     use serde_json::{Value, json};
 
     /// A pumped chamber with a support and an obstacle, at the times 1 and 2.
@@ -277,7 +310,8 @@ mod tests {
             step["centreline"] = json!([]);
             step["cavities"] = json!({"cavity": {"pressure_kpa": 7.0 * time, "volume_mm3": 900.0 + 10.0 * time}});
             step["reactions"] = json!({"clamp": [3.0 * time, 1.0, 4.0 * time], "symmetry": [0.0, 9.0, 0.0]});
-            step["obstacles"] = json!({"ball": {"force_n": [0.0, 0.5, time], "moment_nmm": [0, 0, 0]}});
+            step["obstacles"] =
+                json!({"ball": {"force_n": [0.0, 0.5, time], "moment_nmm": [0, 0, 0], "area_mm2": 3.0 * time}});
         }
         (problem, summary)
     }
@@ -309,10 +343,22 @@ mod tests {
         assert!((plot(&series, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
         assert_eq!(plot(&series, "Displacement").unwrap().curves[0].values[0], 0.0);
 
+        // Beside the plane of symmetry there are two of it, and each is touched by one half.
+        let shape = Shape::Sphere { centre: [9.0, 9.0, -9.0], radius: 1.0, is_hollow: false };
+        let ball =
+            pneuflex_model::Obstacle { name: "ball".into(), shape, facets: vec![], stiffness: 1.0, motion: None };
+        let beside = Problem { obstacles: vec![ball], ..problem.clone() };
+        let beside = of_summary(&beside, summary.clone(), true).unwrap();
+        assert!((plot(&beside, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(plot(&beside, "Contact area").unwrap().curves[1].values, [0.0, 3.0, 6.0]);
+
         // Forces on the whole of a half: across the plane they cancel, along it they double; its plane holds nothing.
         let whole = of_summary(&problem, summary, true).unwrap();
         let reactions = &plot(&whole, "Reaction").unwrap().curves;
         assert_eq!((reactions.len(), &reactions[0].values[..]), (1, &[0.0, 10.0, 20.0][..]));
+        assert_eq!(plot(&whole, "Force on obstacles").unwrap().curves[0].values[1], 2.0);
+        let areas = &plot(&whole, "Contact area").unwrap().curves;
+        assert_eq!((&areas[0].values[..], &areas[1].values[..]), (&[0.0, 2.0, 4.0][..], &[0.0, 6.0, 12.0][..]));
         assert_eq!(plot(&whole, "Pressure, cavity").unwrap().over.as_ref().unwrap().values[2], 1.84);
     }
 

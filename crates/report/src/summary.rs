@@ -128,6 +128,9 @@ pub struct Obstacle {
     /// Force on it, N.
     #[serde(default)]
     pub force_n: Option<[f64; 3]>,
+    /// Reference area that touches it, mm².
+    #[serde(default)]
+    pub area_mm2: Option<f64>,
 }
 
 /// Contact at a landed step.

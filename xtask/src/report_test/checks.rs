@@ -104,6 +104,49 @@ pub fn look_at_blocks(
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
 }
 
+/// Opens the report of the actuator that bends onto the ball of `fixtures/grip_sphere.toml` on a screen: the ball is there, in nobody's
+/// way, and the plot shows the force on it.
+///
+/// # Errors
+/// The first thing that is not as it should be.
+pub fn look_at_the_ball(
+    browser: &mut Browser,
+    screen: &Screen,
+    results: &Results,
+    pictures: &Path,
+) -> Result<(), String> {
+    let mut visit = Visit { browser, screen, results, pictures };
+    visit.open()?;
+    visit.picture("9-ball")?;
+    let centre = visit.browser.numbers("pneuflex.obstacles[0].centre")?;
+    expect(distance(&centre, &[25.0, 0.0, -17.0]) < 1e-4, || format!("the ball is at {centre:?}"))?;
+    let last = results.summary["steps"].as_array().and_then(|steps| steps.last()).ok_or("no steps")?;
+    let force = last["obstacles"]["ball"]["force_n"].as_array().ok_or("no force on the ball")?;
+    let force: Vec<f64> = force.iter().filter_map(Value::as_f64).collect();
+    let whole = 2.0 * force[0].hypot(force[2]);
+    let plots = visit.text("#plots")?;
+    expect(plots.contains(&format!("ball\n{whole:.3} N")), || format!("no force of {whole} N: {plots}"))?;
+
+    // Seen from the side, there is nothing behind the ball to read; seen from below, there is the body.
+    visit.click("[data-view=side]")?;
+    let reads = "pneuflex.reading?.displacement ?? []";
+    visit.press_on_ball()?;
+    expect(visit.browser.numbers(reads)?.is_empty(), || "a click on the ball reads something".to_owned())?;
+    visit.browser.evaluate(
+        "for (let i = 0; i < 14; i++) \
+         document.getElementById('canvas').dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowDown'}))",
+    )?;
+    visit.until_drawn()?;
+    visit.press_on_ball()?;
+    visit.picture("10-ball-from-below")?;
+    expect(visit.browser.numbers(reads)?.len() == 3, || "the ball is in the way of a click".to_owned())?;
+    visit.click("#obstacles + span")?;
+    let left = visit.browser.numbers("[pneuflex.obstacles.length]")?;
+    expect(left == [0.0], || "the ball stays when it is switched off".to_owned())?;
+    let complaints = visit.browser.complaints()?;
+    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
+}
+
 /// Where there are no three-dimensional graphics, the page says so and shows the rest.
 ///
 /// # Errors
@@ -166,6 +209,13 @@ impl Visit<'_> {
         let u = last["probes"]["tip"].as_array().ok_or("no displacement of the tip")?;
         let displacement = u.iter().filter_map(Value::as_f64).collect();
         Ok(Tip { node, at: self.results.mesh()?.nodes[node], displacement })
+    }
+
+    /// Clicks the centre of the first obstacle.
+    fn press_on_ball(&mut self) -> Result<(), String> {
+        self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
+        let place = self.browser.numbers("pneuflex.obstacles[0].onPage")?;
+        self.press(place.try_into().map_err(|_| "the ball is nowhere on the page".to_owned())?)
     }
 
     /// Clicks the tip in the section along the body and reads its displacement.
@@ -300,10 +350,13 @@ impl Visit<'_> {
         } else {
             self.browser.drag(&[place])?
         }
-        // Until it is drawn.
-        self.browser
-            .evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")
-            .map(drop)
+        self.until_drawn()
+    }
+
+    /// Waits until the page shows what was asked of it; the camera is not where it should be before.
+    fn until_drawn(&mut self) -> Result<(), String> {
+        let drawn = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))";
+        self.browser.evaluate(drawn).map(drop)
     }
 
     fn area(&mut self, selector: &str) -> Result<[f64; 4], String> {

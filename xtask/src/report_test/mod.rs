@@ -1,6 +1,6 @@
 //! `cargo xtask report-test`: the report of a run in a real browser, with a real mouse.
 //!
-//! The program solves two chambers and, from a deck, two blocks; Chromium opens the reports from disk, at the size of a desk and of
+//! The program solves two chambers, from a deck two blocks, and an actuator that bends onto a ball; Chromium opens the reports from disk, at the size of a desk and of
 //! a phone, light and dark. Values read by clicks are compared with `summary.json`. Pictures of every stage are left in
 //! `target/report-test`.
 
@@ -76,6 +76,13 @@ fn test(folder: Option<&Path>) -> Result<PathBuf, String> {
             looked.map_err(|e| format!("blocks, {}: {e}", screen.name))?;
         }
         println!("report-test: two blocks passed");
+        let ball = solve(&program, &root.join("fixtures/grip_sphere.toml"), &target.join("ball"))?;
+        let ball = Results::of(ball)?;
+        for screen in &checks::SCREENS {
+            let looked = checks::look_at_the_ball(&mut browser, screen, &ball, &target);
+            looked.map_err(|e| format!("ball, {}: {e}", screen.name))?;
+        }
+        println!("report-test: an actuator on a ball passed");
     }
     drop(browser);
     let mut browser = Browser::start(&chromium, &target.join("profile-flat"), &["--disable-gpu", "--disable-3d-apis"])?;

@@ -2,7 +2,7 @@
 // parts are put together:
 //   transport  slider and play button
 //   plots      curves against time
-//   viewer     the body in three dimensions (stage: camera; actuator: what is drawn; section, probe, legend)
+//   viewer     the body in three dimensions (stage: camera; actuator, obstacles: what is drawn; section, probe, legend)
 
 import { readData } from "pneuflex/data";
 import { drawPlots } from "pneuflex/plots";
@@ -60,6 +60,10 @@ window.pneuflex = Object.freeze({
   get section() {
     const section = viewer?.actuator.halves[0].section;
     return viewer?.plane && { ...viewer.plane, triangles: section.triangles.length / 3 };
+  },
+  /** Names of the obstacles, and where the centres of what is drawn of them are now, mm, and on the page. */
+  get obstacles() {
+    return viewer?.obstacleCentres();
   },
   get camera() {
     return viewer?.stage.camera.position.toArray();

@@ -87,6 +87,44 @@ export function surfaceMaterial(colours, isCap) {
   });
 }
 
+/** A lit, translucent surface: denser where it is seen at a glancing angle, unless it is flat; what is hollow is seen through. */
+export function obstacleMaterial(isFlat, isHollow) {
+  return new ShaderMaterial({
+    uniforms: { colour: { value: [0, 0, 0] }, opacity: { value: isHollow ? 0.16 : isFlat ? 0.34 : 0.42 }, rim: { value: isFlat ? 0 : 0.35 }, hollow: { value: isHollow } },
+    vertexShader: /* glsl */ `
+      varying vec3 vNormal;
+      varying vec3 vView;
+      void main() {
+        vNormal = normalMatrix * normal;
+        vec4 view = modelViewMatrix * vec4(position, 1.0);
+        vView = view.xyz;
+        gl_Position = projectionMatrix * view;
+      }`,
+    fragmentShader: /* glsl */ `
+      uniform vec3 colour;
+      uniform float opacity;
+      uniform float rim;
+      uniform bool hollow;
+      varying vec3 vNormal;
+      varying vec3 vView;
+      void main() {
+        vec3 n = normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+        vec3 toEye = normalize(-vView);
+        float diffuse = 0.5 + 0.5 * dot(n, normalize(vec3(-0.35, 0.65, 0.7)));
+        float glance = 1.0 - abs(dot(n, toEye));
+        float density = opacity + rim * glance * glance * glance;
+        // The nearer wall of what is hollow hides the body.
+        if (hollow && gl_FrontFacing) density *= 0.45;
+        gl_FragColor = vec4(colour * mix(0.62, 1.08, diffuse), density);
+      }`,
+    transparent: true,
+    depthWrite: false,
+    side: isFlat || isHollow ? DoubleSide : FrontSide,
+    // What is far is drawn before what is near.
+    forceSinglePass: false,
+  });
+}
+
 /** Lines, or with `filled` an unlit transparent surface. */
 export function flatMaterial(opacity, filled = false) {
   return new ShaderMaterial({

@@ -1,12 +1,16 @@
 // The view of the body with its legend, probe, views, and the controls of what is shown.
 
-import { Vector3 } from "three";
+import { Box3, Vector3 } from "three";
 import { Actuator } from "pneuflex/actuator";
 import { decimalsFor, fixed } from "pneuflex/format";
 import { FIELDS, Legend, legendTicks } from "pneuflex/legend";
+import { Obstacles } from "pneuflex/obstacles";
 import { Probe } from "pneuflex/probe";
 import { Stage } from "pneuflex/stage";
 import { States, largest } from "pneuflex/states";
+
+/** How far from the body, relative to its size, obstacles are in sight. */
+const NEAR = 0.6;
 
 const byId = (id) => document.getElementById(id);
 
@@ -15,8 +19,9 @@ export class Viewer {
     this.clock = clock;
     this.states = new States(body);
     this.actuator = new Actuator(body, this.states);
+    this.obstacles = new Obstacles(body.obstacles ?? [], this.states.size);
     this.stage = new Stage(byId("canvas"), () => this.outline());
-    this.stage.scene.add(this.actuator.group);
+    this.stage.scene.add(this.actuator.group, this.obstacles.group);
     this.legend = new Legend(byId("legend"));
     this.probe = new Probe(byId("probe"), this.stage, this.actuator, body);
     const renderOnly = this.stage.render.bind(this.stage);
@@ -38,7 +43,7 @@ export class Viewer {
       if (event.target.name === "section") this.chooseAxis(event.target.value);
     });
     on("fit", "change", () => this.showLegend());
-    for (const id of ["whole", "ghost", "mesh"]) on(id, "change", () => this.showParts());
+    for (const id of ["whole", "obstacles", "ghost", "mesh"]) on(id, "change", () => this.showParts());
     on("cut", "input", () => this.cut());
     on("flip", "click", () => {
       this.side = -this.side;
@@ -57,6 +62,7 @@ export class Viewer {
     const began = performance.now();
     this.states.evaluate(value);
     this.actuator.update();
+    this.obstacles.move(value);
     this.probe.update();
     this.showLegend();
     this.updateTime = performance.now() - began;
@@ -81,6 +87,7 @@ export class Viewer {
 
   showParts() {
     this.actuator.show({ whole: Boolean(byId("whole")?.checked), mesh: byId("mesh").checked, ghost: byId("ghost").checked });
+    this.obstacles.show(Boolean(byId("obstacles")?.checked), this.actuator.whole);
     if (this.plane) this.chooseAxis("xyz"[this.plane.axis]);
     this.stage.requestRender();
   }
@@ -113,7 +120,7 @@ export class Viewer {
     this.stage.requestRender();
   }
 
-  /** Corners of what is ever in sight: the shapes at all computed times. */
+  /** Corners of what is ever in sight: the shapes at all computed times, and what of obstacles is near. */
   outline() {
     const { skinNodes, whole } = this.actuator;
     const points = [];
@@ -123,6 +130,12 @@ export class Viewer {
         if (whole) points.push(new Vector3(x, -y, z));
       }
     }
+    const near = new Box3().setFromPoints(points).expandByScalar(NEAR * this.states.size);
+    for (const box of this.obstacles.boxes()) {
+      if (box.intersect(near).isEmpty()) continue;
+      for (const x of [box.min.x, box.max.x]) for (const y of [box.min.y, box.max.y]) for (const z of [box.min.z, box.max.z]) points.push(new Vector3(x, y, z));
+    }
+    this.obstacles.move(this.clock.value);
     return points;
   }
 
@@ -130,14 +143,27 @@ export class Viewer {
     const style = getComputedStyle(document.documentElement);
     const colour = (name) => [1, 3, 5].map((i) => parseInt(style.getPropertyValue(name).trim().slice(i, i + 2), 16) / 255);
     this.actuator.useLineColours(colour("--line"), colour("--ghost"));
+    this.obstacles.useColours(colour("--obstacle"), colour("--ghost"));
     this.stage.requestRender();
   }
 
   /** Where a node of the modelled half is on the page. */
   placeOnPage(node) {
-    const { position } = this.states;
-    const [x, y] = this.stage.project(new Vector3(...position.subarray(3 * node, 3 * node + 3)));
+    return this.onPage(new Vector3(...this.states.position.subarray(3 * node, 3 * node + 3)));
+  }
+
+  onPage(point) {
+    const [x, y] = this.stage.project(point);
     const { left, top } = this.stage.canvas.getBoundingClientRect();
     return [left + x, top + y];
+  }
+
+  /** Every shown obstacle's name, and the centre of what is drawn: in space, mm, and on the page. */
+  obstacleCentres() {
+    const { group, list } = this.obstacles;
+    return list.filter(() => group.visible).map(({ data, moving: [object] }) => {
+      const centre = object.position.clone().add(new Vector3(...data.centre));
+      return { name: data.name, centre: centre.toArray().map((x, d) => x + this.states.origin[d]), onPage: this.onPage(centre) };
+    });
   }
 }
