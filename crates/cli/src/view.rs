@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::actuator::Part;
 use pneuflex_model::Clock;
+use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 use pneuflex_report::inputs::{Group, Row, groups};
 use pneuflex_report::state::State;
@@ -123,7 +124,7 @@ fn read_states(folder: &Path, study: &Study, summary: &Summary) -> Result<Option
         return Ok(None);
     }
     let problem = &study.problem;
-    let has_walls = problem.contact_pairs.iter().any(|pair| !pair.slave.is_empty());
+    let has_walls = !contact_faces(problem).is_empty();
     let state = |number: usize, time: f64| {
         let path = |name: &str| folder.join(format!("fields/{name}_{number:02}.vtu"));
         let body_path = path("step");

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pneuflex_contact::obstacle::distance;
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
 use pneuflex_mesh::{Facet, quadrature};
 use pneuflex_model::{ContactPair, Problem};
@@ -25,7 +26,8 @@ pub struct ContactState {
     pub facet_force: Vec<[Vec<[f64; 3]>; 2]>,
     /// What the body does to every obstacle.
     pub obstacles: Vec<ObstacleForce>,
-    /// Signed distance of every node of the walls from the opposite wall, mm; `None` away from the walls.
+    /// Signed distance of every node of the walls from the opposite wall, and of the faces that may touch an obstacle from the nearest
+    /// obstacle, mm; the smaller one where there are both, `None` elsewhere.
     pub nodal_gap: Vec<Option<f64>>,
 }
 
@@ -108,6 +110,14 @@ pub fn evaluate_at(
     let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks(3)))
         .map(|(x, u)| std::array::from_fn(|d| x[d] + u[d]))
         .collect();
+    for obstacle in &problem.obstacles {
+        let offset = obstacle.offset(time);
+        for node in obstacle.facets.iter().flat_map(|&facet| problem.mesh.facet_nodes(facet)) {
+            let found = distance(&obstacle.shape, offset, positions[node as usize]).value;
+            let gap = &mut state.nodal_gap[node as usize];
+            *gap = Some(gap.map_or(found, |gap| gap.min(found)));
+        }
+    }
     for block in model.search(&positions) {
         let area = block.points.iter().map(|p| p.area).sum::<f64>();
         let evaluated = evaluate_block(&model, &block, &positions, false);
@@ -212,7 +222,8 @@ impl ContactState {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
-    use pneuflex_model::ContactMethod;
+    use pneuflex_model::load::Motion;
+    use pneuflex_model::{ContactMethod, Curve, Obstacle, Shape};
 
     fn pushed(problem: &Problem) -> Vec<f64> {
         displacement_of(problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 }, 0.0, 0.0])
@@ -241,6 +252,31 @@ mod tests {
             let inner = problem.mesh.nearest_node([8.0, 5.0, 8.0]).unwrap().0;
             assert!((traction[inner][0] + 0.4).abs() < 1e-12, "{:?}", traction[inner]);
             assert!((state.nodal_gap[inner].unwrap() + 0.1).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn nodes_know_how_far_they_are_from_the_nearest_obstacle_where_it_is_now() {
+        let mut problem = two_chambers(2.0);
+        let curve = Curve::Proportional(1.0);
+        let table = |name: &str, z: f64, motion| Obstacle {
+            name: name.into(),
+            shape: Shape::Plane { point: [0.0, 0.0, z], normal: [0.0, 0.0, 1.0] },
+            facets: problem.mesh.facet_set("bottom").to_vec(),
+            stiffness: 4.0,
+            motion,
+        };
+        let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };
+        let obstacles = vec![table("still", -2.0, None), table("rising", -5.0, Some(rising))];
+        problem.obstacles = obstacles;
+        let zero = vec![0.0; problem.num_dofs()];
+        let bottom = problem.mesh.nearest_node([9.0, 4.0, 0.0]).unwrap().0;
+        for (time, expected) in [(0.0, 2.0), (3.0, 2.0), (4.0, 1.0), (5.1, -0.1)] {
+            let state = evaluate_at(&problem, &zero, time, &[]).unwrap();
+            assert!((state.nodal_gap[bottom].unwrap() - expected).abs() < 1e-12, "{time}");
+            // k d, upwards, on the face and so at its nodes.
+            let pressure = state.nodal_traction(&problem)[bottom][2];
+            assert!((pressure - 4.0 * f64::max(-expected, 0.0)).abs() < 1e-9, "{time}: {pressure}");
         }
     }
 

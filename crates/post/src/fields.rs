@@ -1,5 +1,8 @@
 //! The pictures of a state: the body with its stresses, and the walls with their contact.
 
+use std::collections::BTreeSet;
+
+use pneuflex_mesh::Facet;
 use pneuflex_model::Problem;
 
 use crate::contact::ContactState;
@@ -31,10 +34,39 @@ pub fn body(problem: &Problem, displacement: &[f64], stress: &StressField, time:
     Ok(grid)
 }
 
-/// The facing walls of all gaps in their reference position with `displacement` (mm), `contact_traction` (the traction
-/// the opposite wall exerts, MPa) and `contact_gap` (signed distance from the opposite wall, mm; negative where they
-/// pass through each other) at the nodes, and the number of the `gap` (from 1) and `side` (0 slave, 1 master) of the
-/// faces. `None` if the body has no gaps.
+/// A face of [`contact_walls`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactFace {
+    /// The face.
+    pub facet: Facet,
+    /// Number of the gap from 1; 0 for a face that only an obstacle may touch.
+    pub gap: usize,
+    /// Whether it is the master's.
+    pub is_master: bool,
+}
+
+/// The faces of [`contact_walls`] in their order: slave and master of every pair, then those of obstacles that are not among them.
+pub fn contact_faces(problem: &Problem) -> Vec<ContactFace> {
+    let mut faces = Vec::new();
+    for (i, pair) in problem.contact_pairs.iter().enumerate() {
+        let face = |is_master| move |&facet: &Facet| ContactFace { facet, gap: i + 1, is_master };
+        faces.extend(pair.slave.iter().map(face(false)));
+        // A surface that touches itself is there once.
+        faces.extend(pair.master.iter().filter(|_| !pair.is_self()).map(face(true)));
+    }
+    let mut seen: BTreeSet<Facet> = faces.iter().map(|face| face.facet).collect();
+    for &facet in problem.obstacles.iter().flat_map(|obstacle| &obstacle.facets) {
+        if seen.insert(facet) {
+            faces.push(ContactFace { facet, gap: 0, is_master: false });
+        }
+    }
+    faces
+}
+
+/// The facing walls of all gaps, and the other faces that may touch an obstacle, in their reference position with `displacement` (mm),
+/// `contact_traction` (the traction that the opposite wall or obstacles exert, MPa) and `contact_gap` (signed distance from the opposite
+/// wall or the nearest obstacle, mm; negative where they pass through each other) at the nodes, and the number of the `gap` (from 1; 0
+/// for faces of no gap) and `side` (0 slave, 1 master) of the faces. `None` if the body has neither.
 ///
 /// # Errors
 /// Displacements of the wrong length or with a number that is not finite.
@@ -50,25 +82,22 @@ pub fn contact_walls(
     let (mut gap, mut side) = (Vec::new(), Vec::new());
     let mut number = vec![u32::MAX; mesh.num_nodes()];
     let mut nodes = Vec::new();
-    for (i, pair) in problem.contact_pairs.iter().enumerate() {
-        let master = if pair.is_self() { &[] } else { &pair.master[..] };
-        for (which, &facet) in pair.slave.iter().map(|f| (0.0, f)).chain(master.iter().map(|f| (1.0, f))) {
-            let local: Vec<u32> = mesh
-                .facet_nodes(facet)
-                .into_iter()
-                .map(|node| {
-                    let n = &mut number[node as usize];
-                    if *n == u32::MAX {
-                        *n = nodes.len() as u32;
-                        nodes.push(node as usize);
-                    }
-                    *n
-                })
-                .collect();
-            grid.push_cell(mesh.face_kind().vtk_cell_type(), local);
-            gap.push((i + 1) as f64);
-            side.push(which);
-        }
+    for face in contact_faces(problem) {
+        let local: Vec<u32> = mesh
+            .facet_nodes(face.facet)
+            .into_iter()
+            .map(|node| {
+                let n = &mut number[node as usize];
+                if *n == u32::MAX {
+                    *n = nodes.len() as u32;
+                    nodes.push(node as usize);
+                }
+                *n
+            })
+            .collect();
+        grid.push_cell(mesh.face_kind().vtk_cell_type(), local);
+        gap.push(face.gap as f64);
+        side.push(f64::from(u8::from(face.is_master)));
     }
     if nodes.is_empty() {
         return Ok(None);
@@ -90,6 +119,7 @@ mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
     use crate::{contact, stress};
+    use pneuflex_model::{Obstacle, Shape};
 
     #[test]
     fn grids_hold_the_whole_body_and_both_walls() {
@@ -104,5 +134,26 @@ mod tests {
         let pair = &problem.contact_pairs[0];
         assert_eq!(walls.cell_types.len(), pair.slave.len() + pair.master.len());
         walls.to_vtu().unwrap();
+    }
+
+    #[test]
+    fn faces_of_obstacles_are_there_once_with_what_obstacles_do_to_them() {
+        let mut problem = two_chambers(2.0);
+        let of_pairs = contact_faces(&problem).len();
+        let bottom = problem.mesh.facet_set("bottom").to_vec();
+        let shape = Shape::Plane { point: [0.0, 0.0, 0.1], normal: [0.0, 0.0, 1.0] };
+        let mut table = Obstacle { name: "a".into(), shape, facets: bottom.clone(), stiffness: 4.0, motion: None };
+        problem.obstacles.push(table.clone());
+        table.facets.push(problem.contact_pairs[0].slave[0]);
+        problem.obstacles.push(Obstacle { name: "b".into(), ..table });
+        assert_eq!(contact_faces(&problem).len(), of_pairs + bottom.len());
+        let zero = vec![0.0; problem.num_dofs()];
+        let contact = contact::evaluate(&problem, &zero).unwrap();
+        let walls = contact_walls(&problem, &zero, &contact, 5.0).unwrap().unwrap();
+        let inner = walls.points.iter().position(|x| x[2] == 0.0 && x[0] > 1.0 && x[0] < 17.0).unwrap();
+        // Two of them press with 0.1 mm × 4 N/mm³ each.
+        let traction = walls.point_values("contact_traction").unwrap()[3 * inner + 2];
+        let gap = walls.point_values("contact_gap").unwrap()[inner];
+        assert!((traction - 0.8).abs() < 1e-9 && (gap + 0.1).abs() < 1e-12, "{traction} {gap}");
     }
 }

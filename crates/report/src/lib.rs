@@ -63,10 +63,14 @@ impl Report<'_> {
         if self.mirrored { 2.0 } else { 1.0 }
     }
 
+    /// Whether there are walls that may touch each other.
+    fn has_walls(&self) -> bool {
+        self.problem.clock == Clock::Pressure || !self.problem.contact_pairs.is_empty()
+    }
+
     /// Whether there is contact to be shown.
     fn may_touch(&self) -> bool {
-        let is_actuator = self.problem.clock == Clock::Pressure;
-        is_actuator || !self.problem.contact_pairs.is_empty()
+        self.has_walls() || !self.problem.obstacles.is_empty()
     }
 
     /// Whether a support holds the whole body, and not just the modelled half at its plane of symmetry.

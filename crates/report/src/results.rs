@@ -126,7 +126,7 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
     }
     columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
     columns.push(one("von Mises, largest", "MPa", 4, &|step| Some(step.max_von_mises_mpa)));
-    if report.may_touch() {
+    if report.has_walls() {
         columns.push(one("contact area", "mm²", 1, &|step| Some(halves * step.contact.area_mm2)));
         let gaps = if is_model { "pairs in contact" } else { "gaps in contact" };
         let cells = landed().map(|step| step.contact.gaps_in_contact.to_string()).collect();

@@ -198,7 +198,7 @@ impl Collect<'_> {
     fn contact_areas(&self) -> Vec<Plot> {
         let mut curves = self.of_obstacles(|name, obstacle| Some(halves_at(self.report, name) * obstacle.area_mm2?));
         if let Some(values) = self.column(|landed| Some(self.report.halves() * landed.contact.area_mm2))
-            && self.report.may_touch()
+            && self.report.has_walls()
         {
             let name = if curves.is_empty() { String::new() } else { "between walls".into() };
             curves.insert(0, Curve { name, values });

@@ -1,6 +1,7 @@
 //! The fields at one pressure or time.
 
 use pneuflex_model::Problem;
+use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 
 use crate::ReportError;
@@ -14,7 +15,7 @@ pub struct State {
     pub displacement: Vec<f64>,
     /// von Mises stress, MPa.
     pub von_mises: Vec<f64>,
-    /// Length of the traction that the opposite wall exerts, MPa; zero away from the walls.
+    /// Length of the traction that the opposite wall and obstacles exert, MPa; zero elsewhere.
     pub contact_pressure: Vec<f64>,
 }
 
@@ -52,8 +53,7 @@ impl State {
 /// Nodes of the contact walls in the order of their file: by the faces in which they appear first.
 fn wall_nodes(problem: &Problem) -> Vec<u32> {
     let mut seen = vec![false; problem.mesh.num_nodes()];
-    let facets = problem.contact_pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
-    let nodes = facets.flat_map(|&facet| problem.mesh.facet_nodes(facet));
+    let nodes = contact_faces(problem).into_iter().flat_map(|face| problem.mesh.facet_nodes(face.facet));
     nodes.filter(|&n| !std::mem::replace(&mut seen[n as usize], true)).collect()
 }
 

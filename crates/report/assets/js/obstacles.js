@@ -84,8 +84,8 @@ function build(data, size) {
     whole.add(half);
     return object;
   });
-  // Positions change all the time: no bound on them is worth keeping.
-  whole.traverse((object) => (object.frustumCulled = false));
+  // Positions change all the time: no bound on them is worth keeping. Drawn first, they do not tint a body of glass.
+  whole.traverse((object) => Object.assign(object, { frustumCulled: false, renderOrder: -1 }));
   return { data, whole, moving };
 }
 
