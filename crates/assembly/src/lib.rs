@@ -4,7 +4,7 @@
 //!
 //! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
 //!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`Pressure`], [`Contact`] and [`Equations`] are
-//!   contributions; forces that never change are in [`dead`].
+//!   contributions; forces that never change are in [`dead`], what a pressure's tangent has beside its symmetric part in [`rim`].
 //! * global: [`Assembler`] knows blocks and node numbers only, and scatters what the blocks compute into a residual
 //!   vector and a node-blocked symmetric matrix.
 //!
@@ -27,6 +27,7 @@ mod kernel;
 pub mod law;
 pub mod local;
 pub mod pressure;
+pub mod rim;
 pub mod solid;
 
 pub use contact::Contact;
@@ -36,4 +37,5 @@ pub use global::{Assembler, Totals};
 pub use law::MaterialLaw;
 pub use local::{LocalBlock, LocalContribution, LocalError, Request};
 pub use pressure::Pressure;
+pub use rim::{Couplings, Rim};
 pub use solid::Solid;

@@ -1,7 +1,7 @@
 //! Every contribution: residual against the energy, tangent against the residual, in a deformed state.
 #![allow(clippy::unwrap_used)]
 
-use pneuflex_assembly::{Assembler, LocalContribution, Pressure, Request, Solid, Totals};
+use pneuflex_assembly::{Assembler, Couplings, LocalContribution, Pressure, Request, Rim, Solid, Totals};
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
@@ -165,5 +165,54 @@ fn carried_pressures_change_the_geometric_tangent_only() {
         for ((p, a), s) in predicted.iter().zip(&actual).zip(&start) {
             assert!((p - a).abs() < 1e-3 * (a - s).abs().max(1e-6), "{formulation} {volumetric:?}: {s} {p} {a}");
         }
+    }
+}
+
+/// Pressure on an open surface: symmetric part and rim together are the derivative of the load.
+#[test]
+fn pressure_on_an_open_surface() {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        let mesh = skewed(formulation);
+        let facets = mesh.boundary_facets().into_iter().filter(|facet| facet.element < 3).take(3).collect::<Vec<_>>();
+        let (mut pressure, rim) = (Pressure::new(&mesh, &facets), Rim::new(&mesh, &facets));
+        pressure.pressure = 0.3;
+        let u = deformation(&mesh, 0.4);
+        let (assembler, here) = totals(&pressure, &u, Request::Tangent);
+        let mut couplings = Couplings::default();
+        rim.couple(pressure.pressure, &u, &mut couplings);
+        let couplings = couplings.condensed(&vec![false; 3 * u.len()]);
+        let (h, mut largest) = (1e-5, 0.0_f64);
+        for dof in 0..3 * u.len() {
+            let shifted = |by: f64| {
+                let mut moved = u.clone();
+                moved[dof / 3][dof % 3] += by;
+                totals(&pressure, &moved, Request::Residual).1.residual
+            };
+            let (low, high) = (shifted(-h), shifted(h));
+            let mut unit = vec![0.0; 3 * u.len()];
+            unit[dof] = 1.0;
+            let mut column = vec![0.0; 3 * u.len()];
+            multiply::<3>(assembler.pattern(), &here.tangent, &unit, &mut column).unwrap();
+            let mut skew = vec![0.0; 3 * u.len()];
+            couplings.add_product(&unit, &mut skew);
+            for (i, (a, b)) in low.as_flattened().iter().zip(high.as_flattened()).enumerate() {
+                let slope = (b - a) / (2.0 * h);
+                assert!(
+                    (slope - column[i] - skew[i]).abs() < 1e-9,
+                    "{formulation:?} {i} {dof}: {slope} {} {}",
+                    column[i],
+                    skew[i]
+                );
+                largest = largest.max(skew[i].abs());
+            }
+        }
+        assert!(largest > 1e-2, "{formulation:?}: the check would be empty, {largest}");
+        // Without free ends there is nothing to add, nor around a closed surface.
+        let all = mesh.boundary_facets();
+        let mut closed = Couplings::default();
+        Rim::new(&mesh, &all).couple(0.3, &u, &mut closed);
+        assert!(closed.is_empty());
+        rim.couple(0.3, &u, &mut closed);
+        assert!(closed.condensed(&vec![true; 3 * u.len()]).is_empty());
     }
 }

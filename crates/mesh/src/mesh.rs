@@ -64,6 +64,24 @@ impl Mesh {
         self.kind.face_kind()
     }
 
+    /// Edges of a surface that belong to one of its facets only: first corner, last corner and, where there is one, the node in the middle,
+    /// in the direction in which the facet's corners run around its outward normal.
+    pub fn rim(&self, facets: &[Facet]) -> Vec<Vec<u32>> {
+        let kind = self.face_kind();
+        let (corners, has_middles) = (kind.num_corners(), kind.num_nodes() > kind.num_corners());
+        let mut edges: Vec<([u32; 2], Vec<u32>)> = Vec::new();
+        for &facet in facets {
+            let nodes = self.facet_nodes(facet);
+            edges.extend((0..corners).map(|i| {
+                let (a, b) = (nodes[i], nodes[(i + 1) % corners]);
+                let middle = has_middles.then(|| nodes[corners + i]);
+                ([a.min(b), a.max(b)], [a, b].into_iter().chain(middle).collect())
+            }));
+        }
+        edges.sort_unstable();
+        edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1.clone()).collect()
+    }
+
     /// Nodes of the named set; empty if there is no such set.
     pub fn node_set(&self, name: &str) -> &[u32] {
         self.node_sets.get(name).map_or(&[], Vec::as_slice)

@@ -249,20 +249,10 @@ impl Problem {
     /// # Errors
     /// [`OpenCavity`] if it is not closed in this sense, or cut by two planes y = const.
     pub fn cavity_plane(&self, cavity: &Cavity) -> Result<f64, OpenCavity> {
-        let corners = self.mesh.face_kind().num_corners();
-        let mut edges: Vec<[u32; 2]> = Vec::new();
-        for &facet in &cavity.facets {
-            let nodes = self.mesh.facet_nodes(facet);
-            edges.extend((0..corners).map(|i| {
-                let (a, b) = (nodes[i], nodes[(i + 1) % corners]);
-                [a.min(b), a.max(b)]
-            }));
-        }
-        edges.sort_unstable();
-        let rim = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]);
         let held = self.held_dofs();
         let mut plane_y: Option<f64> = None;
-        for [a, b] in rim {
+        for edge in self.mesh.rim(&cavity.facets) {
+            let (a, b) = (edge[0], edge[1]);
             let open = || OpenCavity { cavity: cavity.name.clone(), near: self.mesh.nodes[a as usize] };
             let [xa, xb] = [a, b].map(|node| self.mesh.nodes[node as usize]);
             let lies_in = |axis: usize| {

@@ -2,6 +2,7 @@
 //!
 //! * [`system`]: the equations of a problem at a state: residual, tangent, factor, reactions.
 //! * `loads`: its loads; [`border`]: the unknowns beside the displacements.
+//! * `gmres`: solutions with the unsymmetric part that pressures on open surfaces have.
 //! * [`warp`]: corrections bent into rotations.
 //! * [`path`]: Newton's method at one load and the stepping around it.
 //! * [`augmentation`]: the contact's multipliers at the requested loads.
@@ -13,6 +14,7 @@
 pub mod augmentation;
 pub mod border;
 pub mod checkpoint;
+mod gmres;
 pub mod history;
 mod loads;
 pub mod path;

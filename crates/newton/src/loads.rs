@@ -1,6 +1,8 @@
 //! The loads of a problem and the equations of the unknowns beside the displacements.
 
-use pneuflex_assembly::{Assembler, Equations, LocalContribution, LocalError, Pressure, Request, Totals, dead};
+use pneuflex_assembly::{
+    Assembler, Couplings, Equations, LocalContribution, LocalError, Pressure, Request, Rim, Totals, dead,
+};
 use pneuflex_model::load::Load;
 use pneuflex_model::{Cavity, Control, Curve, OpenCavity, Problem};
 
@@ -26,6 +28,7 @@ pub struct Loads {
 /// Faces under a pressure, and what it is.
 struct Inflated {
     faces: Pressure,
+    rim: Rim,
     source: Source,
 }
 
@@ -51,7 +54,7 @@ impl Loads {
         for load in &problem.loads {
             if let Load::Pressure { facets, curve } = load {
                 let source = Source::Given(curve.clone());
-                inflated.push(Inflated { faces: Pressure::new(mesh, facets), source });
+                inflated.push(Inflated { faces: Pressure::new(mesh, facets), rim: Rim::new(mesh, facets), source });
             }
         }
         let element_size = (mesh.volume() / mesh.num_elements().max(1) as f64).cbrt();
@@ -113,6 +116,15 @@ impl Loads {
         Ok(())
     }
 
+    /// What the pressures' tangents have beside their symmetric parts, between free degrees of freedom.
+    pub fn couplings(&self, displacement: &[[f64; 3]], held: &[bool]) -> Couplings {
+        let mut couplings = Couplings::default();
+        for air in &self.inflated {
+            air.rim.couple(air.faces.pressure, displacement, &mut couplings);
+        }
+        couplings.condensed(held)
+    }
+
     /// The equations of the unknowns beside the displacements at a state; the multipliers' forces are added to the residual.
     pub fn rows(
         &mut self,
@@ -148,8 +160,9 @@ impl Loads {
 impl Inflated {
     fn cavity(problem: &Problem, cavity: &Cavity, unknowns: &mut usize) -> Result<Self, OpenCavity> {
         let mut faces = Pressure::new(&problem.mesh, &cavity.facets);
+        let rim = Rim::new(&problem.mesh, &cavity.facets);
         let supply = match &cavity.control {
-            Control::Pressure(curve) => return Ok(Self { faces, source: Source::Given(curve.clone()) }),
+            Control::Pressure(curve) => return Ok(Self { faces, rim, source: Source::Given(curve.clone()) }),
             Control::Volume(change) => Supply::Volume(change.clone()),
             Control::Gas(gas) => Supply::Gas(gas.clone()),
         };
@@ -157,7 +170,7 @@ impl Inflated {
         let rest_volume = faces.volume(&vec![[0.0; 3]; problem.mesh.num_nodes()]);
         let source = Source::Unknown { unknown: *unknowns, supply, rest_volume };
         *unknowns += 1;
-        Ok(Self { faces, source })
+        Ok(Self { faces, rim, source })
     }
 
     fn pressure_at(&self, time: f64, border: &[f64]) -> f64 {

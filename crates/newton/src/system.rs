@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_assembly::solid::DegenerateElement;
-use pneuflex_assembly::{Assembler, Contact, LocalContribution, LocalError, Request, Solid, Totals};
+use pneuflex_assembly::{Assembler, Contact, Couplings, LocalContribution, LocalError, Request, Solid, Totals};
 use pneuflex_contact::{ContactBlock, ContactModel, predicted_tractions};
 use pneuflex_factor::{Factor, FactorError, Inertia, Ordering, Parallelism, Symbolic, multiply};
 use pneuflex_mesh::Mesh;
@@ -12,6 +12,7 @@ use pneuflex_model::{OpenCavity, Problem};
 
 use crate::border::{self, Row};
 use crate::checkpoint::{Carried, Linearisation};
+use crate::gmres;
 use crate::history::Timing;
 use crate::loads::Loads;
 use crate::warp::{Extent, Warp};
@@ -62,6 +63,8 @@ pub struct System {
     /// Equations of the unknowns beside the displacements, as last assembled, and the columns −K⁻¹B of the last factor.
     rows: Vec<Row>,
     responses: Option<Vec<Vec<f64>>>,
+    /// Unsymmetric part of the last tangent.
+    couplings: Couplings,
     contact: ContactModel,
     /// Touching blocks of the last assembly, and the node positions it was made at.
     touching: Vec<ContactBlock>,
@@ -107,6 +110,7 @@ impl System {
             loads,
             rows: Vec::new(),
             responses: None,
+            couplings: Couplings::default(),
             contact,
             touching: Vec::new(),
             positions: Vec::new(),
@@ -191,6 +195,9 @@ impl System {
         self.assembler.reset(&mut self.totals, request);
         self.assembler.add(SOLID, &self.solid, displacement, request, &mut self.totals)?;
         self.loads.add_forces(&mut self.assembler, FIRST_LOAD, displacement, time, request, &mut self.totals)?;
+        if request == Request::Tangent {
+            self.couplings = self.loads.couplings(displacement, &self.held);
+        }
         self.responses = None;
         self.rows = self.loads.rows(&mut self.assembler, FIRST_LOAD, displacement, time, border, &mut self.totals)?;
         self.timing.assembly_s += start.elapsed().as_secs_f64();
@@ -209,8 +216,37 @@ impl System {
             let column = row.column.as_flattened().iter().zip(&self.held);
             all.extend(column.map(|(b, held)| if *held { 0.0 } else { -b }));
         }
-        self.factor.solve_in_place(&mut all, self.rows.len())?;
+        self.solve_in_place(&mut all, self.rows.len())?;
         Ok(all.chunks_exact(self.held.len().max(1)).map(<[f64]>::to_vec).collect())
+    }
+
+    /// Solves K x = b for some columns b, the values of held degrees of freedom among them.
+    fn solve_in_place(&self, columns: &mut [f64], count: usize) -> Result<(), FactorError> {
+        self.factor.solve_in_place(columns, count)?;
+        if self.couplings.is_empty() {
+            return Ok(());
+        }
+        for column in columns.chunks_exact_mut(self.held.len().max(1)) {
+            let solution = gmres::solve(column, |vector| {
+                let free = |(x, held): (&f64, &bool)| if *held { 0.0 } else { *x };
+                let moved: Vec<f64> = vector.iter().zip(&self.held).map(free).collect();
+                let mut forces = vec![0.0; vector.len()];
+                self.couplings.add_product(&moved, &mut forces);
+                forces = forces.iter().zip(&self.held).map(free).collect();
+                self.factor.solve_in_place(&mut forces, 1)?;
+                Ok(vector.iter().zip(forces).map(|(x, y)| x + y).collect())
+            })?;
+            column.copy_from_slice(&solution);
+        }
+        Ok(())
+    }
+
+    /// K times a vector.
+    fn product(&self, vector: &[f64]) -> Result<Vec<f64>, FactorError> {
+        let mut product = vec![0.0; vector.len()];
+        multiply::<3>(self.assembler.pattern(), &self.totals.tangent, vector, &mut product)?;
+        self.couplings.add_product(vector, &mut product);
+        Ok(product)
     }
 
     /// Largest violation of the equations of the unknowns beside the displacements, relative to what they are small against.
@@ -284,7 +320,8 @@ impl System {
         vector.iter().zip(&self.held).filter(|(_, held)| !**held).map(|(x, _)| x * x).sum::<f64>().sqrt()
     }
 
-    /// Factorises the assembled tangent. The inertia is that of motions that the equations beside the displacements allow.
+    /// Factorises the assembled tangent. The inertia is that of motions that the equations beside the displacements allow. Under
+    /// pressure on an open surface forces have no potential, and the inertia of the symmetric part says nothing: none is negative then.
     ///
     /// # Errors
     /// If the tangent is singular or not finite.
@@ -301,6 +338,9 @@ impl System {
             inertia.negative = negative.saturating_sub(self.rows.len());
             self.responses = Some(responses);
             self.timing.solve_s += start.elapsed().as_secs_f64();
+        }
+        if !self.couplings.is_empty() {
+            inertia.negative = 0;
         }
         Ok(inertia)
     }
@@ -321,8 +361,7 @@ impl System {
                 .zip(&self.held)
                 .map(|(x, held)| if *held { *x } else { 0.0 })
                 .collect();
-            let mut product = vec![0.0; rhs.len()];
-            multiply::<3>(self.assembler.pattern(), &self.totals.tangent, &imposed, &mut product)?;
+            let product = self.product(&imposed)?;
             for i in 0..rhs.len() {
                 rhs[i] = if self.held[i] { imposed[i] } else { rhs[i] - product[i] };
             }
@@ -333,7 +372,7 @@ impl System {
                 }
             }
         }
-        self.factor.solve_in_place(&mut rhs, 1)?;
+        self.solve_in_place(&mut rhs, 1)?;
         let mut border = Vec::new();
         if !self.rows.is_empty() {
             let responses = match self.responses.take() {
@@ -358,9 +397,7 @@ impl System {
     /// If the assembled tangent does not fit (nothing was assembled).
     pub fn multipliers(&mut self, correction: &Correction) -> Result<Vec<f64>, FactorError> {
         let start = Instant::now();
-        let mut product = vec![0.0; self.held.len()];
-        let straight = correction.displacement.as_flattened();
-        multiply::<3>(self.assembler.pattern(), &self.totals.tangent, straight, &mut product)?;
+        let mut product = self.product(correction.displacement.as_flattened())?;
         for (row, change) in self.rows.iter().zip(&correction.border) {
             for (value, b) in product.iter_mut().zip(row.column.as_flattened()) {
                 *value += change * b;

@@ -46,7 +46,7 @@ impl Penetration {
 
     /// Reference area of slave walls behind their master walls, mm².
     pub fn penetrating_area_mm2(&self) -> f64 {
-        self.gaps.iter().map(|g| g.penetrating_area_mm2).sum()
+        self.gaps.iter().fold(0.0, |sum, gap| sum + gap.penetrating_area_mm2)
     }
 
     /// Number of gaps whose walls touch: somewhere the distance is negative. Penalty contact always leaves a small depth.

@@ -107,6 +107,41 @@ fn pressure_from_all_sides_only_compresses() {
     }
 }
 
+/// A slender bar, held at one end, is pulled by suction on the other, with fifty times the force at which it would buckle if it were
+/// pushed. The forces turn with the end face, which couples its rotation to its displacement in one direction only.
+#[test]
+fn suction_on_a_free_end_stretches_a_slender_bar() {
+    const SUCTION: f64 = 2.0;
+    for formulation in FORMULATIONS {
+        let mesh = Lattice::uniform([0.0; 3], [8.0, 1.0, 1.0], [8, 2, 2]).mesh_all(formulation.element_kind());
+        let mut problem =
+            Problem::body(mesh, formulation, Material { bulk_modulus: 1e4, ..Law::NeoHooke { c10: 1.9 }.into() });
+        problem.clock = Clock::Steps;
+        hold(&mut problem, 0, 0.0, None);
+        let at = |y: f64| problem.mesh.select_nodes(|x| (x[0], x[1], x[2]) == (0.0, y, 0.0));
+        let supports = [(at(0.0), [false, true, true]), (at(1.0), [false, false, true])];
+        problem.supports.extend(supports.map(|(nodes, axes)| Support {
+            name: "edge".into(),
+            nodes,
+            axes,
+            motion: None,
+        }));
+        let facets = problem.mesh.select_facets(|x| (x[0] - 8.0).abs() < 1e-9);
+        problem.loads.push(Load::Pressure { facets, curve: Curve::Proportional(-SUCTION) });
+        let [state] = &follow(&problem, &[1.0], &settings())[..] else { panic!("one state") };
+        // Cauchy stress of the incompressible bar: 2 C₁₀ (λ² − 1/λ).
+        let (mut low, mut high) = (1.0, 2.0);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            if 3.8 * (middle * middle - 1.0 / middle) < SUCTION { low = middle } else { high = middle }
+        }
+        let (node, _) = problem.mesh.nearest_node([8.0, 1.0, 1.0]).unwrap();
+        let stretch = 1.0 + state.displacement[3 * node] / 8.0;
+        assert!((stretch - low).abs() < 1e-4, "{formulation:?}: {stretch} {low}");
+        assert!(state.iterations <= 16, "{formulation:?}: {} iterations", state.iterations);
+    }
+}
+
 #[test]
 fn weight_hangs_on_its_support() {
     for formulation in FORMULATIONS {

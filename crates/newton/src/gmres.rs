@@ -1,0 +1,109 @@
+//! The generalised minimal residual method (Saad & Schultz 1986, *SIAM J. Sci. Stat. Comput.* 7, 856), for the few unsymmetric terms
+//! that the factor of a symmetric tangent lacks: with that factor as preconditioner the operator is the identity plus something of low
+//! rank, and a few dozen vectors do.
+
+/// Relative residual that is good enough for a correction of Newton's method.
+const TOLERANCE: f64 = 1e-11;
+
+/// Vectors at the most.
+const MOST_VECTORS: usize = 200;
+
+/// Solves A x = b for x, starting at zero; what was reached is returned if b was not.
+///
+/// # Errors
+/// Those of `apply`, which yields A times a vector.
+pub fn solve<E>(rhs: &[f64], mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
+    let norm = dot(rhs, rhs).sqrt();
+    if norm == 0.0 || !norm.is_finite() {
+        return Ok(rhs.to_vec());
+    }
+    let mut basis = vec![rhs.iter().map(|x| x / norm).collect::<Vec<f64>>()];
+    // Upper triangle, column by column, and the rotations that made it one.
+    let mut triangle: Vec<Vec<f64>> = Vec::new();
+    let mut rotations: Vec<[f64; 2]> = Vec::new();
+    let mut projected = vec![norm];
+    while triangle.len() < MOST_VECTORS {
+        let mut next = apply(&basis[triangle.len()])?;
+        let mut column = Vec::with_capacity(basis.len() + 1);
+        for vector in &basis {
+            let part = dot(vector, &next);
+            subtract(&mut next, part, vector);
+            column.push(part);
+        }
+        // Once more, for what rounding left.
+        for (vector, sum) in basis.iter().zip(&mut column) {
+            let part = dot(vector, &next);
+            subtract(&mut next, part, vector);
+            *sum += part;
+        }
+        let mut length = dot(&next, &next).sqrt();
+        for (i, &[cosine, sine]) in rotations.iter().enumerate() {
+            let (a, b) = (column[i], column[i + 1]);
+            (column[i], column[i + 1]) = (cosine * a + sine * b, cosine * b - sine * a);
+        }
+        let last = column.len() - 1;
+        let hypotenuse = column[last].hypot(length);
+        if hypotenuse == 0.0 || !hypotenuse.is_finite() {
+            break;
+        }
+        let [cosine, sine] = [column[last] / hypotenuse, length / hypotenuse];
+        column[last] = hypotenuse;
+        rotations.push([cosine, sine]);
+        triangle.push(column);
+        projected.push(-sine * projected[last]);
+        projected[last] *= cosine;
+        if projected[last + 1].abs() <= TOLERANCE * norm {
+            break;
+        }
+        length = length.max(f64::MIN_POSITIVE);
+        basis.push(next.iter().map(|x| x / length).collect());
+    }
+    let mut solution = vec![0.0; rhs.len()];
+    let mut coefficients = vec![0.0; triangle.len()];
+    for i in (0..triangle.len()).rev() {
+        let known: f64 = (i + 1..triangle.len()).map(|j| triangle[j][i] * coefficients[j]).sum();
+        coefficients[i] = (projected[i] - known) / triangle[i][i];
+        subtract(&mut solution, -coefficients[i], &basis[i]);
+    }
+    Ok(solution)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn subtract(from: &mut [f64], factor: f64, vector: &[f64]) {
+    for (x, y) in from.iter_mut().zip(vector) {
+        *x -= factor * y;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A full matrix in as many steps as it has rows; the identity plus a skew part of rank two in three.
+    #[test]
+    fn small_systems_are_solved() {
+        let n = 12;
+        let full = |i: usize, j: usize| (0.7 * i as f64 - 0.3 * (j * j) as f64).sin() + if i == j { 2.0 } else { 0.0 };
+        let (u, v) = (|i: usize| (i as f64).cos(), |i: usize| 1.0 / (1.0 + i as f64));
+        let low_rank = |i: usize, j: usize| f64::from(u8::from(i == j)) + 5.0 * (u(i) * v(j) - v(i) * u(j));
+        let cases: [(&dyn Fn(usize, usize) -> f64, usize); 2] = [(&full, 12), (&low_rank, 3)];
+        for (matrix, most) in cases {
+            let product =
+                |x: &[f64]| -> Vec<f64> { (0..n).map(|i| (0..n).map(|j| matrix(i, j) * x[j]).sum()).collect() };
+            let exact: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sqrt()).collect();
+            let mut products = 0;
+            let found = solve::<()>(&product(&exact), |x| {
+                products += 1;
+                Ok(product(x))
+            });
+            for (a, b) in found.unwrap().iter().zip(&exact) {
+                assert!((a - b).abs() < 1e-9, "{a} {b}");
+            }
+            assert!(products <= most, "{products}");
+        }
+        assert_eq!(solve::<()>(&[0.0; 3], |_| Err(())), Ok(vec![0.0; 3]));
+    }
+}
