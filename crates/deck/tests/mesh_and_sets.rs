@@ -209,14 +209,32 @@ fn broken_sets_and_surfaces_are_told_by_line() {
         ["a.inp:29: surface A is empty", "a.inp:30: surface A: \"S7\" is no face, S1 to S6 are"]
     );
     assert_eq!(
-        wrong("*SURFACE, NAME=A, TYPE=NODE\nCLAMP\n"),
-        ["a.inp:29: *SURFACE: TYPE=\"NODE\" is not supported, only ELEMENT"]
+        wrong("*SURFACE, NAME=A, TYPE=CUTTING SURFACE\nCLAMP\n"),
+        ["a.inp:29: *SURFACE: TYPE=\"CUTTING SURFACE\" is not supported, only ELEMENT or NODE"]
+    );
+    assert_eq!(wrong("*SURFACE, NAME=A, TYPE=NODE\n1, 2, 3\n"), ["a.inp:29: surface A is empty"]);
+    assert_eq!(
+        wrong("*SURFACE, NAME=A, TYPE=NODE\nCLAM\n")[1],
+        "a.inp:30: *SURFACE: there is no node set \"CLAM\" (yet); did you mean CLAMP?"
     );
     assert_eq!(wrong("*NSET, NSET=A, INSTANCE=P\n1\n"), ["a.inp:29: there is no instance \"P\""]);
     assert_eq!(
         notes(&cubes("*NSET, NSET=A, GENERATE\n1, 2000000000\n", ""))[1],
         "a.inp:30: of 2000000000 generated nodes 12 exist"
     );
+}
+
+#[test]
+fn a_surface_of_nodes_is_the_faces_between_them() {
+    let text = cubes("*SURFACE, NAME=A, TYPE=NODE\nCLAMP, 0.25\n2,\n3,\n", "");
+    // The left face of the left cube and its underside; the face between the cubes lacks two corners, and is not free.
+    let expected = [Facet { element: 0, face: 0 }, Facet { element: 0, face: 4 }];
+    let mut found = deck(&text).problem.mesh.facet_set("A").to_vec();
+    found.sort_unstable();
+    assert_eq!(found, expected);
+    assert!(notes(&text).iter().any(|note| {
+        note == "a.inp:29: surface A, 6 nodes, is taken as the 2 free faces that have all their corners among them"
+    }));
 }
 
 #[test]

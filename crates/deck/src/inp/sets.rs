@@ -179,10 +179,45 @@ impl AllSets {
     fn surface(&mut self, item: Item<'_>, body: &Body, context: &mut Context<'_>) {
         let Some(name) = context.required(item.block, "NAME") else { return };
         let place = item.block.place;
-        context.expect_word(item.block, "TYPE", &["ELEMENT"]);
-        if item.block.word("TYPE").is_some_and(|word| word != "ELEMENT") {
-            return;
+        context.expect_word(item.block, "TYPE", &["ELEMENT", "NODE"]);
+        let facets = match item.block.word("TYPE").as_deref() {
+            None | Some("ELEMENT") => self.faces_of_elements(item, name, body, context),
+            Some("NODE") => self.faces_of_nodes(item, name, body, context),
+            Some(_) => return,
+        };
+        if facets.is_empty() {
+            context.error(place, format!("surface {name} is empty"));
         }
+        if self.surfaces.0.contains_key(&(item.scope, name.to_uppercase())) {
+            context.error(place, format!("surface {name} is there twice"));
+        }
+        self.surfaces.add(item.scope, name, facets, true);
+    }
+
+    /// The free faces all of whose corners are named: contact acts on faces, not on nodes.
+    fn faces_of_nodes(&self, item: Item<'_>, name: &str, body: &Body, context: &mut Context<'_>) -> Vec<Facet> {
+        let mut nodes = BTreeSet::new();
+        for line in &item.block.lines {
+            // A second field is the node's share of the area, which follows from the faces.
+            let Some(&field) = context.fields(line).first() else { continue };
+            match nodes_of(self, body, item.scope, field, item.block) {
+                Ok(found) => nodes.extend(found),
+                Err(why) => context.error(line.place, why),
+            }
+        }
+        let corners = body.mesh.face_kind().num_corners();
+        let is_named = |facet: &Facet| body.mesh.facet_nodes(*facet)[..corners].iter().all(|node| nodes.contains(node));
+        let facets: Vec<Facet> = body.mesh.boundary_facets().into_iter().filter(is_named).collect();
+        let text = format!(
+            "surface {name}, {} nodes, is taken as the {} free faces that have all their corners among them",
+            nodes.len(),
+            facets.len()
+        );
+        context.note(item.block.place, text);
+        facets
+    }
+
+    fn faces_of_elements(&self, item: Item<'_>, name: &str, body: &Body, context: &mut Context<'_>) -> Vec<Facet> {
         let mut facets = Vec::new();
         for line in &item.block.lines {
             let fields = context.fields(line);
@@ -218,13 +253,7 @@ impl AllSets {
                     .error(line.place, format!("surface {name}: a line is an element set or element, and a face")),
             }
         }
-        if facets.is_empty() {
-            context.error(place, format!("surface {name} is empty"));
-        }
-        if self.surfaces.0.contains_key(&(item.scope, name.to_uppercase())) {
-            context.error(place, format!("surface {name} is there twice"));
-        }
-        self.surfaces.add(item.scope, name, facets, true);
+        facets
     }
 
     /// Elements of a set, or one by its number.
