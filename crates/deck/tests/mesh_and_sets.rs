@@ -212,7 +212,10 @@ fn broken_sets_and_surfaces_are_told_by_line() {
         wrong("*SURFACE, NAME=A, TYPE=CUTTING SURFACE\nCLAMP\n"),
         ["a.inp:29: *SURFACE: TYPE=\"CUTTING SURFACE\" is not supported, only ELEMENT or NODE"]
     );
-    assert_eq!(wrong("*SURFACE, NAME=A, TYPE=NODE\n1, 2, 3\n"), ["a.inp:29: surface A is empty"]);
+    assert_eq!(
+        wrong("*SURFACE, NAME=A, TYPE=NODE\n1, 2, 3\n"),
+        ["a.inp:29: surface A is empty: no free face has all its corners among its nodes"]
+    );
     assert_eq!(
         wrong("*SURFACE, NAME=A, TYPE=NODE\nCLAM\n")[1],
         "a.inp:30: *SURFACE: there is no node set \"CLAM\" (yet); did you mean CLAMP?"

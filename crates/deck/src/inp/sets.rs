@@ -186,7 +186,11 @@ impl AllSets {
             Some(_) => return,
         };
         if facets.is_empty() {
-            context.error(place, format!("surface {name} is empty"));
+            let why = match item.block.word("TYPE").as_deref() {
+                Some("NODE") => ": no free face has all its corners among its nodes",
+                _ => "",
+            };
+            context.error(place, format!("surface {name} is empty{why}"));
         }
         if self.surfaces.0.contains_key(&(item.scope, name.to_uppercase())) {
             context.error(place, format!("surface {name} is there twice"));
