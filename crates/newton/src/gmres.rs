@@ -89,10 +89,9 @@ mod tests {
         let full = |i: usize, j: usize| (0.7 * i as f64 - 0.3 * (j * j) as f64).sin() + if i == j { 2.0 } else { 0.0 };
         let (u, v) = (|i: usize| (i as f64).cos(), |i: usize| 1.0 / (1.0 + i as f64));
         let low_rank = |i: usize, j: usize| f64::from(u8::from(i == j)) + 5.0 * (u(i) * v(j) - v(i) * u(j));
-        let cases: [(&dyn Fn(usize, usize) -> f64, usize); 2] = [(&full, 12), (&low_rank, 3)];
-        for (matrix, most) in cases {
-            let product =
-                |x: &[f64]| -> Vec<f64> { (0..n).map(|i| (0..n).map(|j| matrix(i, j) * x[j]).sum()).collect() };
+        let check = |matrix: &dyn Fn(usize, usize) -> f64, most: usize| {
+            let row = |i: usize, x: &[f64]| -> f64 { (0..n).map(|j| matrix(i, j) * x[j]).sum() };
+            let product = |x: &[f64]| -> Vec<f64> { (0..n).map(|i| row(i, x)).collect() };
             let exact: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sqrt()).collect();
             let mut products = 0;
             let found = solve::<()>(&product(&exact), |x| {
@@ -103,7 +102,9 @@ mod tests {
                 assert!((a - b).abs() < 1e-9, "{a} {b}");
             }
             assert!(products <= most, "{products}");
-        }
+        };
+        check(&full, 12);
+        check(&low_rank, 3);
         assert_eq!(solve::<()>(&[0.0; 3], |_| Err(())), Ok(vec![0.0; 3]));
     }
 }
