@@ -5,7 +5,6 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use pneuflex_mesh::MeshSize;
 use pneuflex_model::{Case, Problem};
 use pneuflex_newton::{Event, LandedState, follow_path};
 use pneuflex_post::chart::{Chart, Series, Style};
@@ -84,7 +83,7 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
 
     let (mut levels, mut failure) = (Vec::new(), None);
     for divisions in 1..=finest {
-        let problem = problem_of(case, &base.divided(divisions)).map_err(|e| file.out_of_range(&e.into()))?;
+        let problem = Problem::from_case_on(case, &base.divided(divisions)).map_err(|e| file.out_of_range(&e))?;
         if !arguments.solve.quiet {
             say(&format!("elements divided by {divisions}: {} unknowns", thousands(problem.num_unknowns() as u64)));
         }
@@ -125,11 +124,6 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
         say(&format!("results are in {}", folder.path().display()));
     }
     Ok(Outcome::Converged)
-}
-
-fn problem_of(case: &Case, size: &MeshSize) -> Result<Problem, pneuflex_mesh::GeometryError> {
-    let formulation = case.mesh.formulation();
-    Problem::from_actuator(&case.actuator, size, formulation, case.material.clone(), case.contact.clone())
 }
 
 /// Follows the case's pressures on one mesh; what was reached is kept when it fails.

@@ -53,6 +53,33 @@ fn three_meshes_give_values_with_error_bars() {
     }
 }
 
+/// Obstacles are in the way on every mesh: the tip would sink by more than 0.3 mm.
+#[test]
+fn obstacles_are_on_every_mesh() {
+    let scratch = Scratch::new("converge-obstacle");
+    let table = "obstacle=[{name = \"table\", shape = \"plane\", point = [0.0, 0.0, -0.1], normal = [0.0, 0.0, 1.0]}]";
+    let ended = scratch.run(&[
+        "converge",
+        &fixture(),
+        "--levels",
+        "2",
+        "--set",
+        "load.pressure_kpa=[10]",
+        "--set",
+        "contact.method=none",
+        "--set",
+        table,
+        "--quiet",
+    ]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let file = fs::read_to_string(scratch.path("out/two_chamber_coarse-converge/converge.json")).unwrap();
+    let file: Value = serde_json::from_str(&file).unwrap();
+    for level in file["levels"].as_array().unwrap() {
+        let sunk = level["steps"][0]["tip_displacement_mm"].as_f64().unwrap();
+        assert!((0.05..0.25).contains(&sunk), "{sunk}");
+    }
+}
+
 #[test]
 fn options_out_of_range_are_refused() {
     let scratch = Scratch::new("converge-bad");

@@ -165,14 +165,17 @@ impl Problem {
     /// # Errors
     /// A value out of range, see [`Case::validate`].
     pub fn from_case(case: &Case) -> Result<Self, CaseError> {
+        Self::from_case_on(case, &case.mesh.mesh_size(&case.actuator))
+    }
+
+    /// The same on a mesh of another size than the case's.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_case_on(case: &Case, size: &MeshSize) -> Result<Self, CaseError> {
         case.validate()?;
-        let mut problem = Self::from_actuator(
-            &case.actuator,
-            &case.mesh.mesh_size(&case.actuator),
-            case.mesh.formulation(),
-            case.material.clone(),
-            case.contact.clone(),
-        )?;
+        let (formulation, material, contact) = (case.mesh.formulation(), case.material.clone(), case.contact.clone());
+        let mut problem = Self::from_actuator(&case.actuator, size, formulation, material, contact)?;
         let obstacles = case.obstacles.iter().filter_map(|table| {
             let faces = table.faces.as_deref().unwrap_or("outer");
             table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None)
