@@ -44,6 +44,10 @@ const NOT_SMALLER: f64 = 0.7;
 const LOOSE: f64 = 0.1;
 const LOOSE_STRETCH: f64 = 0.05;
 
+/// Materials whose bulk modulus is a larger multiple of the shear modulus than this allow the less of it, the less they allow of a change of
+/// volume.
+const LOOSE_RATIO: f64 = 2e4;
+
 /// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
 const STALE_BELOW: f64 = 0.05;
 
@@ -92,6 +96,8 @@ pub struct Path<'a> {
     /// The factor belongs to the present state's tangent, so it predicts the next one.
     has_factor: bool,
     size: f64,
+    /// Stretching that is loose enough, see [`LOOSE_STRETCH`].
+    loose_stretch: f64,
     /// Residual that rounding leaves per mm of the body's extent, N/mm; see [`Path::rounding`].
     rounding_per_mm: f64,
     step: usize,
@@ -163,7 +169,9 @@ impl<'a> Path<'a> {
             is_loose: false,
         };
         let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
-        let bulk_modulus = problem.materials().0.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
+        let materials = problem.materials().0;
+        let bulk_modulus = materials.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
+        let ratio = materials.iter().map(|m| m.bulk_modulus / m.shear_modulus()).fold(LOOSE_RATIO, f64::max);
         let rounding_per_mm = f64::EPSILON * bulk_modulus * element_size * (n as f64).sqrt();
         Ok(Self {
             system,
@@ -173,6 +181,7 @@ impl<'a> Path<'a> {
             state,
             has_factor: false,
             size,
+            loose_stretch: LOOSE_STRETCH * LOOSE_RATIO / ratio,
             rounding_per_mm,
             step: 0,
             iterations: 0,
@@ -644,7 +653,7 @@ impl<'a> Path<'a> {
     fn is_small(&mut self, displacement: &[[f64; 3]], correction: &Correction) -> bool {
         let straight = correction.displacement.as_flattened();
         straight.iter().all(|x| x.abs() < LOOSE)
-            && self.system.extent(displacement, &correction.displacement).stretch < LOOSE_STRETCH
+            && self.system.extent(displacement, &correction.displacement).stretch < self.loose_stretch
     }
 
     /// Whether a change of the supports' displacements is more than rounding.
