@@ -94,11 +94,13 @@ fn parent_of<'d, 'i>(document: &'d mut DeTable<'i>, path: &str) -> Option<(&'d m
 fn stand_in(path: &str, name: &str) -> Option<Spanned<DeValue<'static>>> {
     let text = match name {
         "load" => "x = { pressure_kpa = [1.0] }",
+        "pressure_kpa" if path.starts_with("pressure[") => "x = 1.0",
         "pressure_kpa" => "x = [1.0]",
         "chambers" => "x = 1",
         "channel" => "x = { half_width = nan, bottom = nan, top = nan }",
         "name" => "x = \"some\"",
-        "at" => "x = [0.0, 0.0, 0.0]",
+        "nodes" | "axes" | "faces" | "slave" | "master" => "x = \"some\"",
+        "at" | "total" | "traction_mpa" | "acceleration" => "x = [0.0, 0.0, 0.0]",
         "c10" | "c01" => "x = 1.0",
         "mu" | "alpha" => "x = [1.0]",
         _ if path.starts_with("actuator.") => "x = nan",

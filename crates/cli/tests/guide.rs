@@ -80,21 +80,34 @@ fn stands_for(line: &str, real: &str) -> bool {
     rest.is_empty() || line.ends_with('…')
 }
 
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
 /// Runs everything in a chapter.
 #[track_caller]
 fn works(name: &str) {
     let scratch = Scratch::new(&format!("guide-{name}"));
-    let curves = scratch.path("fixtures/curves");
-    fs::create_dir_all(&curves).unwrap();
-    for entry in fs::read_dir(repository().join("fixtures/curves")).unwrap() {
-        let entry = entry.unwrap();
-        fs::copy(entry.path(), curves.join(entry.file_name())).unwrap();
-    }
+    copy_folder(&repository().join("fixtures"), &scratch.path("fixtures"));
     let mut last: Option<Ended> = None;
     for block in blocks(&chapter(name)) {
         let place = format!("{name}:{}", block.line);
         if let Some(file) = block.value("file") {
             fs::write(scratch.path(file), &block.text).unwrap();
+        } else if let Some(file) = block.value("shown") {
+            let text = fs::read_to_string(repository().join(file)).unwrap();
+            let mut lines = text.lines().filter(|line| !line.is_empty());
+            let missing = block.text.lines().filter(|line| !line.is_empty()).find(|&line| !lines.any(|l| l == line));
+            assert!(missing.is_none(), "{place}: {missing:?} (in this order) is not in {file}");
         } else if block.is("sh", "by-hand") {
             // What a test cannot run may only be the installation.
             assert!(block.text.lines().all(|line| line.starts_with("cargo install ")), "{place}");
@@ -141,6 +154,16 @@ fn material() {
 }
 
 #[test]
+fn models() {
+    works("models.md");
+}
+
+#[test]
+fn model_file() {
+    works("model-file.md");
+}
+
+#[test]
 fn accuracy() {
     works("accuracy.md");
 }
@@ -155,6 +178,13 @@ fn resume() {
     works("resume.md");
 }
 
+/// What a link to a heading ends with: its letters, digits, hyphens and underscores in small letters, joined by hyphens.
+fn anchor(line: &str) -> Option<String> {
+    let heading = line.strip_prefix('#')?.trim_start_matches('#').trim().to_lowercase();
+    let kept = heading.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
+    Some(kept.map(|c| if c == ' ' { '-' } else { c }).collect())
+}
+
 #[test]
 fn the_summary_lists_every_chapter_and_links_lead_somewhere() {
     let summary = chapter("SUMMARY.md");
@@ -166,7 +196,11 @@ fn the_summary_lists_every_chapter_and_links_lead_somewhere() {
         assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name} is not in SUMMARY.md");
         let text = chapter(&name);
         for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-            assert!(link.starts_with("https://") || guide().join(link).is_file(), "{name}: {link}");
+            let (file, heading) = link.split_once('#').map_or((link, None), |(file, heading)| (file, Some(heading)));
+            assert!(link.starts_with("https://") || guide().join(file).is_file(), "{name}: {link}");
+            if let Some(heading) = heading.filter(|_| !link.starts_with("https://")) {
+                assert!(chapter(file).lines().any(|line| anchor(line) == Some(heading.into())), "{name}: {link}");
+            }
         }
     }
     let book = fs::read_to_string(guide().join("../book.toml")).unwrap();
@@ -229,57 +263,125 @@ fn set_obstacle(key: &str, value: &str) -> String {
     format!("obstacle=[{{ {} }}]", entries.join(", "))
 }
 
-/// The reference's tables.
-fn rows() -> Vec<Row> {
-    let text = chapter("case-file.md");
+/// The tables of a reference.
+fn rows(name: &str) -> Vec<Row> {
+    let text = chapter(name);
     let lines = text.lines().filter_map(|line| line.strip_prefix("| `"));
     lines
         .map(|line| {
             let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-            let [key, _, default, allowed, _, _] = cells[..] else { panic!("{line}") };
+            let [key, _, default, allowed, _, _] = cells[..] else { panic!("{name}: {line}") };
             Row { key: key.trim_end_matches('`').into(), default: default.into(), allowed: allowed.into() }
         })
         .collect()
 }
 
-fn with_least_case(name: &str) -> Scratch {
+/// The files that a chapter has.
+fn with_files_of(chapter_name: &str, name: &str) -> Scratch {
     let scratch = Scratch::new(name);
-    let least = blocks(&chapter("case-file.md")).into_iter().find(|b| b.value("file") == Some("least.toml")).unwrap();
-    fs::write(scratch.path("least.toml"), least.text).unwrap();
+    for block in blocks(&chapter(chapter_name)) {
+        if let Some(file) = block.value("file") {
+            fs::write(scratch.path(file), &block.text).unwrap();
+        }
+    }
     scratch
 }
 
+fn with_least_case(name: &str) -> Scratch {
+    with_files_of("case-file.md", name)
+}
+
 /// Keys of a table that the program knows, by what it says about one that it does not know.
-fn known_keys(scratch: &Scratch, set: &str) -> Vec<String> {
-    let ended = scratch.run(&["check", "least.toml", "--set", set]);
+fn known_keys(scratch: &Scratch, file: &str, set: &str) -> Vec<String> {
+    let ended = scratch.run(&["check", file, "--set", set]);
     let (_, known) = ended.err.split_once("known keys here: ").unwrap_or_else(|| panic!("{set}: {ended:?}"));
     known.lines().next().unwrap().split(", ").map(str::to_owned).collect()
 }
 
-#[test]
-fn the_reference_has_exactly_the_keys_of_the_program() {
-    let scratch = with_least_case("guide-keys");
+/// All keys that may stand in a file; `lists` are its tables that may be repeated.
+fn all_keys(scratch: &Scratch, file: &str, lists: &[&str]) -> Vec<String> {
     let mut known = Vec::new();
-    for table in known_keys(&scratch, "qqq=1") {
-        let is_list = ["probe", "obstacle"].contains(&table.as_str());
-        let set = if is_list { format!("{table}=[{{ qqq = 1 }}]") } else { format!("{table}.qqq=1") };
+    for table in known_keys(scratch, file, "qqq=1") {
         if table == "title" {
             known.push(table);
             continue;
         }
-        for key in known_keys(&scratch, &set) {
+        let is_list = lists.contains(&table.as_str());
+        let set = if is_list { format!("{table}=[{{ qqq = 1 }}]") } else { format!("{table}.qqq=1") };
+        for key in known_keys(scratch, file, &set) {
             let path = format!("{table}.{key}");
             if path == "actuator.channel" {
-                known.extend(known_keys(&scratch, "actuator.channel.qqq=1").iter().map(|key| format!("{path}.{key}")));
+                let inner = known_keys(scratch, file, "actuator.channel.qqq=1");
+                known.extend(inner.iter().map(|key| format!("{path}.{key}")));
             } else {
                 known.push(path);
             }
         }
     }
-    let mut described: Vec<String> = rows().into_iter().map(|row| row.key).collect();
     known.sort();
+    known
+}
+
+#[test]
+fn the_reference_has_exactly_the_keys_of_the_program() {
+    let scratch = with_least_case("guide-keys");
+    let mut described: Vec<String> = rows("case-file.md").into_iter().map(|row| row.key).collect();
     described.sort();
-    assert_eq!(described, known);
+    assert_eq!(described, all_keys(&scratch, "least.toml", &["probe", "obstacle"]));
+}
+
+/// Tables that it refers to the other reference for are those of the other reference.
+#[test]
+fn the_reference_of_models_has_exactly_the_keys_of_the_program() {
+    let scratch = with_files_of("model-file.md", "guide-model-keys");
+    let text = chapter("model-file.md");
+    let mut described: Vec<String> = rows("model-file.md").into_iter().map(|row| row.key).collect();
+    for table in ["actuator", "mesh", "material", "probe", "output"] {
+        assert!(text.contains(&format!("[{table}]")), "{table}");
+        let prefix = format!("{table}.");
+        described.extend(rows("case-file.md").into_iter().map(|row| row.key).filter(|key| key.starts_with(&prefix)));
+    }
+    described.sort();
+    let lists = ["region", "support", "equation", "cavity", "force", "traction", "pressure", "contact", "obstacle"];
+    let lists = [&lists[..], &["probe"]].concat();
+    assert_eq!(described, all_keys(&scratch, "least-model.toml", &lists));
+}
+
+#[test]
+fn the_reference_of_models_says_what_is_required_and_no_key_takes_what_is_no_number() {
+    let scratch = with_files_of("model-file.md", "guide-model-values");
+    let (text, rows) = (chapter("model-file.md"), rows("model-file.md"));
+    let mut compared = 0;
+    for row in &rows {
+        let Some((table, key)) = row.key.split_once('.') else { continue };
+        let set = |inner: &str| match text.contains(&format!("[[{table}]]")) {
+            true => format!("{table}=[{{ {inner} }}]"),
+            false => format!("{table}={{ {inner} }}"),
+        };
+        let said = |set: &str| {
+            let bad = scratch.run(&["check", "least-model.toml", "--set", set]);
+            assert_eq!(bad.code, 2, "{set}: {bad:?}");
+            bad.err
+        };
+        let wrong = set(&format!("{key} = nan"));
+        assert!(said(&wrong).contains(key), "{wrong}");
+        let is_first = rows.iter().find(|other| other.key.starts_with(&format!("{table}."))).unwrap().key == row.key;
+        // The file that the body comes from is there already; the others need nothing.
+        if !is_first || ["model", "load", "solver"].contains(&table) {
+            continue;
+        }
+        let refused = said(&set(""));
+        let mut missing: Vec<&str> = refused
+            .lines()
+            .filter_map(|line| line.split('`').nth(1).filter(|_| line.ends_with("is missing")))
+            .collect();
+        let missing_keys = missing.iter_mut().map(|key| key.rsplit('.').next().unwrap());
+        let required = rows.iter().filter(|row| row.default == "required");
+        let required_keys = required.filter_map(|row| row.key.strip_prefix(&format!("{table}.")));
+        assert!(missing_keys.eq(required_keys), "{table}: {refused}");
+        compared += 1;
+    }
+    assert_eq!(compared, 10);
 }
 
 #[test]
@@ -299,7 +401,9 @@ fn the_reference_has_the_program_s_defaults() {
         Some(value)
     };
     let mut compared = 0;
-    for row in rows().iter().filter(|row| !row.key.starts_with("probe.") && !row.key.starts_with("obstacle.")) {
+    for row in
+        rows("case-file.md").iter().filter(|row| !row.key.starts_with("probe.") && !row.key.starts_with("obstacle."))
+    {
         assert_eq!(row.default == "required", find(&least, &row.key).is_some(), "{}", row.key);
         let Some(default) = row.default.strip_prefix('`').and_then(|d| d.strip_suffix('`')) else { continue };
         if row.key == "mesh.resolution" {
@@ -320,7 +424,7 @@ fn the_reference_has_the_program_s_defaults() {
 fn the_reference_has_the_choices_of_the_program_and_every_key_is_checked() {
     let scratch = with_least_case("guide-choices");
     let check = |set: &str| scratch.run(&["check", "least.toml", "--set", "mesh.size=4", "--set", set]);
-    for row in rows() {
+    for row in rows("case-file.md") {
         let bad = check(&row.set("nan"));
         let name = row.key.rsplit('.').next().unwrap();
         assert!(bad.code == 2 && bad.err.contains(name), "{}: {bad:?}", row.key);
