@@ -42,6 +42,23 @@ fn the_clamp_carries_what_the_actuator_presses_on_the_obstacle_with() {
 }
 
 #[test]
+fn a_force_that_nobody_asks_for_is_left_out() {
+    let scratch = Scratch::new("silent_obstacle");
+    let table =
+        "obstacle=[{ name = 'table', shape = 'plane', point = [0, 0, -3], normal = [0, 0, 1], report_force = false }]";
+    let sets = ["mesh.size=4.5", "mesh.element=hex8-q1p0", "load.pressure_kpa=[20]", table];
+    let mut arguments = vec!["run".to_owned(), fixture("blocked_force.toml")];
+    arguments.extend(sets.iter().flat_map(|set| ["--set".to_owned(), (*set).to_owned()]));
+    let ended = scratch.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let text = fs::read_to_string(scratch.path("out/blocked_force/summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&text).unwrap();
+    let step = &summary["steps"][0];
+    // It is there all the same: nothing else presses on the clamp.
+    assert!(step["obstacles"]["table"].is_null() && number(&step["reaction_n"][2]) < -0.01, "{step}");
+}
+
+#[test]
 fn mistakes_in_obstacles_are_named() {
     let scratch = Scratch::new("wrong_obstacles");
     for (obstacle, key, why) in [

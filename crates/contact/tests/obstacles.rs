@@ -18,7 +18,7 @@ fn block(kind: ElementKind) -> (Mesh, Vec<[f64; 3]>) {
 
 fn obstacle(mesh: &Mesh, shape: Shape) -> Obstacle {
     let facets = mesh.select_facets(|x| x[2].abs() < 1e-12);
-    Obstacle { name: "obstacle".into(), shape, facets, stiffness: 3.0, motion: None }
+    Obstacle { name: "obstacle".into(), shape, facets, stiffness: 3.0, motion: None, report_force: true }
 }
 
 /// Obstacles that all stand in the way of the block's lower side.

@@ -17,6 +17,8 @@ pub struct Obstacle {
     pub stiffness: f64,
     /// How it is moved, without turning; `None` if it stays in place.
     pub motion: Option<Motion>,
+    /// Whether results hold the force on it.
+    pub report_force: bool,
 }
 
 /// The shape of an obstacle, mm.
@@ -90,8 +92,14 @@ mod tests {
     fn obstacles_move_with_their_curve() {
         let shape = Shape::Sphere { centre: [1.0, 2.0, 3.0], radius: 1.0, is_hollow: false };
         let motion = Motion { displacement: [0.0, 2.0, -4.0], curve: Curve::Proportional(0.1) };
-        let mut obstacle =
-            Obstacle { name: "ball".into(), shape, facets: Vec::new(), stiffness: 4.0, motion: Some(motion) };
+        let mut obstacle = Obstacle {
+            name: "ball".into(),
+            shape,
+            facets: Vec::new(),
+            stiffness: 4.0,
+            motion: Some(motion),
+            report_force: true,
+        };
         assert_eq!(obstacle.offset(5.0), [0.0, 1.0, -2.0]);
         assert_eq!(obstacle.shape.reference_point(), [1.0, 2.0, 3.0]);
         obstacle.motion = None;

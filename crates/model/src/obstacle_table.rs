@@ -54,6 +54,9 @@ pub struct ObstacleTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
+    /// Whether the force on it is in the results; it is if this is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report_force: Option<bool>,
 }
 
 /// The shapes of obstacles.
@@ -104,7 +107,8 @@ impl ObstacleTable {
     /// The obstacle for some faces; `None` if its shape lacks something.
     pub fn obstacle(&self, facets: Vec<Facet>, stiffness: f64, motion: Option<Motion>) -> Option<Obstacle> {
         let stiffness = self.stiffness.unwrap_or(stiffness);
-        Some(Obstacle { name: self.name.clone(), shape: self.shape()?, facets, stiffness, motion })
+        let report_force = self.report_force.unwrap_or(true);
+        Some(Obstacle { name: self.name.clone(), shape: self.shape()?, facets, stiffness, motion, report_force })
     }
 }
 
@@ -200,6 +204,7 @@ mod tests {
             stiffness: None,
             displacement: None,
             factor: None,
+            report_force: None,
         };
         let one = Some([0.0, 0.0, 1.0]);
         match shape {

@@ -265,6 +265,7 @@ mod tests {
             facets: problem.mesh.facet_set("bottom").to_vec(),
             stiffness: 4.0,
             motion,
+            report_force: true,
         };
         let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };
         let obstacles = vec![table("still", -2.0, None), table("rising", -5.0, Some(rising))];

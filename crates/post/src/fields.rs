@@ -142,7 +142,14 @@ mod tests {
         let of_pairs = contact_faces(&problem).len();
         let bottom = problem.mesh.facet_set("bottom").to_vec();
         let shape = Shape::Plane { point: [0.0, 0.0, 0.1], normal: [0.0, 0.0, 1.0] };
-        let mut table = Obstacle { name: "a".into(), shape, facets: bottom.clone(), stiffness: 4.0, motion: None };
+        let mut table = Obstacle {
+            name: "a".into(),
+            shape,
+            facets: bottom.clone(),
+            stiffness: 4.0,
+            motion: None,
+            report_force: true,
+        };
         problem.obstacles.push(table.clone());
         table.facets.push(problem.contact_pairs[0].slave[0]);
         problem.obstacles.push(Obstacle { name: "b".into(), ..table });

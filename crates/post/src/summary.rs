@@ -218,7 +218,10 @@ pub fn describe(
         cavities: if is_model { cavities(problem, state)? } else { BTreeMap::new() },
         reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
         reactions: if is_model { reactions(problem, state)? } else { BTreeMap::new() },
-        obstacles: contact.obstacles.iter().map(|found| (found.name.clone(), found.into())).collect(),
+        obstacles: (problem.obstacles.iter().zip(&contact.obstacles))
+            .filter(|(obstacle, _)| obstacle.report_force)
+            .map(|(_, found)| (found.name.clone(), found.into()))
+            .collect(),
         strain_energy_mj: stress.strain_energy,
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),

@@ -128,6 +128,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("obstacle.stiffness", "penalty stiffness", "N/mm³"),
     ("obstacle.displacement", "displacement where the factor is 1", "mm"),
     ("obstacle.factor", "factor at the end, or by time", ""),
+    ("obstacle.report_force", "force on it in the results", ""),
     ("load.pressure_kpa", "pressures", "kPa"),
     ("load.times", "times of the results", ""),
     ("mesh.resolution", "resolution", ""),

@@ -191,7 +191,7 @@ mod tests {
     const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
     fn obstacle(shape: Shape, motion: Option<Motion>) -> Obstacle {
-        Obstacle { name: "o".into(), shape, facets: Vec::new(), stiffness: 1.0, motion }
+        Obstacle { name: "o".into(), shape, facets: Vec::new(), stiffness: 1.0, motion, report_force: true }
     }
 
     fn by(displacement: [f64; 3], curve: Curve) -> Option<Motion> {

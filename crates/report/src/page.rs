@@ -299,7 +299,14 @@ mod tests {
 
         let mut problem = two_chambers(Formulation::Hex8Sri);
         let shape = Shape::Sphere { centre: [9.0, 0.0, -8.0], radius: 5.0, is_hollow: false };
-        let ball = Obstacle { name: "<b>ball".into(), shape, facets: Vec::new(), stiffness: 1.0, motion: None };
+        let ball = Obstacle {
+            name: "<b>ball".into(),
+            shape,
+            facets: Vec::new(),
+            stiffness: 1.0,
+            motion: None,
+            report_force: true,
+        };
         problem.obstacles.push(ball);
         let html = page_of(problem, "t", force);
         assert!(html.contains("id=\"obstacles\"") && !html.contains("<b>ball"));

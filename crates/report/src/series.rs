@@ -345,8 +345,14 @@ mod tests {
 
         // Beside the plane of symmetry there are two of it, and each is touched by one half.
         let shape = Shape::Sphere { centre: [9.0, 9.0, -9.0], radius: 1.0, is_hollow: false };
-        let ball =
-            pneuflex_model::Obstacle { name: "ball".into(), shape, facets: vec![], stiffness: 1.0, motion: None };
+        let ball = pneuflex_model::Obstacle {
+            name: "ball".into(),
+            shape,
+            facets: vec![],
+            stiffness: 1.0,
+            motion: None,
+            report_force: true,
+        };
         let beside = Problem { obstacles: vec![ball], ..problem.clone() };
         let beside = of_summary(&beside, summary.clone(), true).unwrap();
         assert!((plot(&beside, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);

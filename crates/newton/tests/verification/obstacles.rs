@@ -30,8 +30,14 @@ fn pressed_block(formulation: Formulation) -> Problem {
     }
     let shape = Shape::Plane { point: [0.3, 0.4, SIDES[2]], normal: [0.0, 0.0, -3.0] };
     let motion = Motion { displacement: [0.0, 0.0, -WAY], curve: Curve::Proportional(1.0) };
-    problem.obstacles =
-        vec![Obstacle { name: "press".into(), shape, facets, stiffness: STIFFNESS, motion: Some(motion) }];
+    problem.obstacles = vec![Obstacle {
+        name: "press".into(),
+        shape,
+        facets,
+        stiffness: STIFFNESS,
+        motion: Some(motion),
+        report_force: true,
+    }];
     problem.clock = Clock::Steps;
     problem
 }
