@@ -324,7 +324,7 @@ fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputE
     if let Some((_, rest)) = message.split_once("missing field `") {
         let name = rest.split('`').next().unwrap_or(rest);
         let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
-        let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with".to_owned());
+        let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with; the guide has all keys of model files".to_owned());
         let error = InputError::new(format!("key `{path}` is missing")).at(place).help(help);
         return (error, Repair::StandIn(path));
     }
