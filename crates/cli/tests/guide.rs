@@ -169,6 +169,11 @@ fn accuracy() {
 }
 
 #[test]
+fn obstacles() {
+    works("obstacles.md");
+}
+
+#[test]
 fn stops() {
     works("stops.md");
 }

@@ -41,6 +41,36 @@ fn the_clamp_carries_what_the_actuator_presses_on_the_obstacle_with() {
     }
 }
 
+/// Along x and z nothing acts on the two fingers but the plate and the ball; the fingers are mirror images of each other.
+#[test]
+fn the_plate_carries_what_two_fingers_press_on_the_ball_with() {
+    let scratch = Scratch::new("gripper");
+    let ended = scratch.run(&[
+        "run",
+        &fixture("models/gripper.toml"),
+        "--threads",
+        "1",
+        "--set",
+        "load.times=[0.25]",
+        "--no-report",
+    ]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let text = fs::read_to_string(scratch.path("out/gripper").join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&text).unwrap();
+    let step = &summary["steps"][0];
+    let force = &step["obstacles"]["ball"]["force_n"];
+    let [left, right] = ["ROOT_LEFT", "ROOT_RIGHT"].map(|name| &step["reactions"][name]);
+    // The fingertips reach under the ball.
+    assert!(number(&force[2]) > 0.005 && number(&left[0]) > 0.01, "{step}");
+    let largest = number(&left[0]);
+    for axis in [0, 2] {
+        let difference = number(&force[axis]) - number(&left[axis]) - number(&right[axis]);
+        assert!(difference.abs() < 1e-6 * largest, "{step}");
+    }
+    assert!((number(&left[0]) + number(&right[0])).abs() < 1e-6 * largest, "{step}");
+    assert!((number(&left[2]) - number(&right[2])).abs() < 1e-6 * largest, "{step}");
+}
+
 #[test]
 fn a_force_that_nobody_asks_for_is_left_out() {
     let scratch = Scratch::new("silent_obstacle");
