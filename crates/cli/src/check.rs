@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-use pneuflex_model::{Case, ContactMethod, Problem};
+use pneuflex_model::{Case, ContactMethod, Obstacle, Problem, Shape};
 use pneuflex_post::stress::material_limit;
 use pneuflex_post::summary::probe_sites;
 
@@ -103,6 +103,9 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         number(faces * per_face),
         case.contact.stiffness
     )?;
+    for thing in &problem.obstacles {
+        writeln!(text, "obstacle  {}", obstacle(thing))?;
+    }
     let pressures: Vec<String> = case.load.pressure_kpa.iter().map(f64::to_string).collect();
     writeln!(text, "load      {} kPa on {} faces", pressures.join(", "), number(problem.cavity_facets().len()))?;
     for (name, site) in probe_sites(mesh, &case.probes) {
@@ -111,6 +114,18 @@ fn write_description(text: &mut String, case: &Case, problem: &Problem) -> std::
         writeln!(text, "probe     {name}: node {} at ({x}, {y}, {z}){far}", site.node)?;
     }
     writeln!(text, "memory    about {}", size(Estimate::of_mesh(case, mesh.num_elements(), unknowns).bytes))
+}
+
+/// What an obstacle is.
+fn obstacle(obstacle: &Obstacle) -> String {
+    let shape = match &obstacle.shape {
+        Shape::Plane { .. } => "plane".to_owned(),
+        Shape::Sphere { radius, .. } => format!("sphere of radius {radius} mm"),
+        Shape::Cylinder { radius, .. } => format!("cylinder of radius {radius} mm"),
+        Shape::Cuboid { size: [x, y, z], .. } => format!("cuboid, {x} mm x {y} mm x {z} mm"),
+    };
+    let faces = plural(obstacle.facets.len(), "face");
+    format!("{}: {shape}, {faces} may touch it, {:.4} N/mm3", obstacle.name, obstacle.stiffness)
 }
 
 /// A number of things in words.

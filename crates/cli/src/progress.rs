@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use pneuflex_model::Clock;
 use pneuflex_newton::{Cause, IterationRecord};
-use pneuflex_post::summary::StepSummary;
+use pneuflex_post::summary::{ObstacleSummary, StepSummary};
 
 use crate::error::say;
 
@@ -107,8 +107,13 @@ impl Progress {
         let at = self.clock.words(self.last);
         let angle =
             summary.end_face_angle_deg.map(|deg| format!("end face turned by {deg:.2} deg, ")).unwrap_or_default();
+        let force = |(name, found): (&String, &ObstacleSummary)| {
+            let size = found.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
+            format!(", {size:.4} N on {name}")
+        };
+        let forces: String = summary.obstacles.iter().map(force).collect();
         self.line(&format!(
-            "{at} reached in {iterations} iterations: {angle}{} contact points, penetration {:.4} mm{left}",
+            "{at} reached in {iterations} iterations: {angle}{} contact points, penetration {:.4} mm{forces}{left}",
             contact.points_active, contact.max_penetration_mm
         ));
         if let Some(warning) = &summary.warning {

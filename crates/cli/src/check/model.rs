@@ -6,7 +6,7 @@ use pneuflex_model::load::Load;
 use pneuflex_model::{Control, Curve, Material};
 use pneuflex_post::summary::probe_sites;
 
-use super::plural;
+use super::{obstacle, plural};
 use crate::memory::{Estimate, size, thousands};
 use crate::study::Study;
 
@@ -104,6 +104,9 @@ pub fn understood(study: &Study) -> Vec<(&'static str, String)> {
     for pair in &problem.contact_pairs {
         let [slave, master] = [&pair.slave, &pair.master].map(|facets| plural(facets.len(), "face"));
         row("contact", format!("{}: {slave} against {master}", pair.name));
+    }
+    for thing in &problem.obstacles {
+        row("obstacle", obstacle(thing));
     }
     let times: Vec<String> = times.iter().map(f64::to_string).collect();
     row("times", times.join(", "));
