@@ -1,10 +1,13 @@
 //! Force and tangent of touching faces against finite differences of the energy, in a state that touches.
 #![allow(clippy::unwrap_used)]
 
-use pneuflex_contact::{ContactModel, Partner, evaluate_block};
+mod support;
+
+use pneuflex_contact::{ContactModel, Partner};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
+use support::total;
 
 /// Two blocks, 0.2 mm apart, of which the facing sides are then bent and pushed into each other.
 fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
@@ -23,30 +26,6 @@ fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
         })
         .collect();
     (mesh, vec![ContactPair::new("gap", slave, master)], positions)
-}
-
-struct Total {
-    energy: f64,
-    gradient: Vec<f64>,
-    hessian: Vec<Vec<f64>>,
-}
-
-fn total(model: &ContactModel, positions: &[[f64; 3]]) -> Total {
-    let n = 3 * positions.len();
-    let mut total = Total { energy: 0.0, gradient: vec![0.0; n], hessian: vec![vec![0.0; n]; n] };
-    for block in model.search(positions) {
-        let out = evaluate_block(model, &block, positions, true);
-        total.energy += out.energy;
-        let dofs: Vec<usize> =
-            block.nodes.iter().flat_map(|&node| (0..3).map(move |k| 3 * node as usize + k)).collect();
-        for (i, &p) in dofs.iter().enumerate() {
-            total.gradient[p] += out.residual[i];
-            for (j, &q) in dofs.iter().enumerate() {
-                total.hessian[p][q] += out.tangent[i * dofs.len() + j];
-            }
-        }
-    }
-    total
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Rigid obstacles: force and tangent against differences of the energy, reactions, multipliers, motion.
 #![allow(clippy::unwrap_used)]
 
-use pneuflex_contact::{ContactModel, Partner, evaluate_block};
+mod support;
+
+use pneuflex_contact::{ContactModel, Partner};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, Curve, Motion, Obstacle, Shape};
+use support::total;
 
 const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
 
@@ -32,30 +35,6 @@ fn shapes() -> [Shape; 6] {
         Shape::Cylinder { point: [0.0, 0.0, 1.4], axis: [0.3, 1.0, 0.0], radius: 1.5, is_hollow: true },
         Shape::Cuboid { centre: [0.4, 0.3, -0.9], size: [1.6, 1.4, 2.0], axes: tilted, edge_radius: 0.5 },
     ]
-}
-
-struct Total {
-    energy: f64,
-    gradient: Vec<f64>,
-    hessian: Vec<Vec<f64>>,
-}
-
-fn total(model: &ContactModel, positions: &[[f64; 3]]) -> Total {
-    let n = 3 * positions.len();
-    let mut total = Total { energy: 0.0, gradient: vec![0.0; n], hessian: vec![vec![0.0; n]; n] };
-    for block in model.search(positions) {
-        let out = evaluate_block(model, &block, positions, true);
-        total.energy += out.energy;
-        let dofs: Vec<usize> =
-            block.nodes.iter().flat_map(|&node| (0..3).map(move |k| 3 * node as usize + k)).collect();
-        for (i, &p) in dofs.iter().enumerate() {
-            total.gradient[p] += out.residual[i];
-            for (j, &q) in dofs.iter().enumerate() {
-                total.hessian[p][q] += out.tangent[i * dofs.len() + j];
-            }
-        }
-    }
-    total
 }
 
 /// Multipliers that keep some open points in contact and leave others as they are.

@@ -1,12 +1,15 @@
 //! Surfaces that touch themselves, and surfaces that are slave and master in turn.
 #![allow(clippy::unwrap_used)]
 
+mod support;
+
 use std::f64::consts::PI;
 
-use pneuflex_contact::{ContactBlock, ContactModel, Partner, brute_force, evaluate_block};
+use pneuflex_contact::{ContactBlock, ContactModel, Partner, brute_force};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactPair};
+use support::total;
 
 const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
 
@@ -35,30 +38,6 @@ fn closed(mesh: &Mesh) -> Vec<[f64; 3]> {
         let down = if z >= 1.75 && x > 2.0 { 0.35 * (x - 2.0) + 0.03 * (2.1 * y + x).sin() } else { 0.0 };
         [x + 0.02 * y * z, y + 0.01 * x, z - down + 0.01 * x * y]
     })
-}
-
-struct Total {
-    energy: f64,
-    gradient: Vec<f64>,
-    hessian: Vec<Vec<f64>>,
-}
-
-fn total(model: &ContactModel, positions: &[[f64; 3]]) -> Total {
-    let n = 3 * positions.len();
-    let mut total = Total { energy: 0.0, gradient: vec![0.0; n], hessian: vec![vec![0.0; n]; n] };
-    for block in model.search(positions) {
-        let out = evaluate_block(model, &block, positions, true);
-        total.energy += out.energy;
-        let dofs: Vec<usize> =
-            block.nodes.iter().flat_map(|&node| (0..3).map(move |k| 3 * node as usize + k)).collect();
-        for (i, &p) in dofs.iter().enumerate() {
-            total.gradient[p] += out.residual[i];
-            for (j, &q) in dofs.iter().enumerate() {
-                total.hessian[p][q] += out.tangent[i * dofs.len() + j];
-            }
-        }
-    }
-    total
 }
 
 #[track_caller]
