@@ -233,7 +233,7 @@ fn overlap(problem: &Problem) -> Option<CaseError> {
     if problem.obstacles.is_empty() {
         return None;
     }
-    let at_rest = contact::evaluate(problem, &vec![0.0; problem.num_dofs()]).ok()?;
+    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
     let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
     let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);

@@ -6,18 +6,18 @@ use std::path::PathBuf;
 
 use pneuflex_deck::{Deck, read};
 use pneuflex_model::Solver;
-use pneuflex_newton::{Event, LandedState, follow_path};
+use pneuflex_newton::{ConvergedState, Event, follow_path};
 use serde_json::Value;
 
-fn solve(name: &str) -> (Deck, Vec<LandedState>, Value) {
+fn solve(name: &str) -> (Deck, Vec<ConvergedState>, Value) {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/decks");
     let text = fs::read(folder.join(format!("{name}.inp"))).unwrap();
     let deck = read(name, text, &mut |_| Err(String::new())).unwrap();
     let settings =
         Solver { first_step: deck.schedule.first_increment, max_step: 1.0, min_step: 1e-4, ..Solver::default() };
-    let mut states: Vec<LandedState> = Vec::new();
+    let mut states: Vec<ConvergedState> = Vec::new();
     let mut observer = |event: Event<'_>| {
-        if let Event::Landed(state) = event {
+        if let Event::Converged(state) = event {
             states.push(state.clone());
         }
     };
@@ -32,14 +32,14 @@ fn differences(name: &str) -> Vec<f64> {
     let (deck, states, reference) = solve(name);
     let landings = reference["landings"].as_array().unwrap();
     assert_eq!(landings.len(), states.len());
-    let difference = |(state, landing): (&LandedState, &Value)| {
+    let difference = |(state, landing): (&ConvergedState, &Value)| {
         assert!((state.time - landing["time"].as_f64().unwrap()).abs() < 1e-12);
         let (mut largest, mut scale) = (0.0_f64, 0.0_f64);
         for (number, expected) in landing["displacement_mm"].as_object().unwrap() {
             let number: i32 = number.parse().unwrap();
             let node = deck.node_labels.iter().position(|label| label.as_ref().unwrap().number == number).unwrap();
             for axis in 0..3 {
-                let (found, expected) = (state.displacement[3 * node + axis], expected[axis].as_f64().unwrap());
+                let (found, expected) = (state.displacement[node][axis], expected[axis].as_f64().unwrap());
                 largest = largest.max((found - expected).abs());
                 scale = scale.max(expected.abs());
             }
