@@ -99,7 +99,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
             let mesh = skewed(formulation);
             // A soft bulk keeps the difference quotient's digits.
             let material = Material { bulk_modulus: 3.0, ..material };
-            let solid = Solid::new(&mesh, formulation, &material).unwrap();
+            let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
             check(&format!("{formulation} {material:?}"), &solid, &deformation(&mesh, 0.8), |_| true);
         }
     }
@@ -144,7 +144,7 @@ fn carried_pressures_change_the_geometric_tangent_only() {
     for (formulation, volumetric) in FORMULATIONS.into_iter().flat_map(|f| forms.map(|form| (f, form))) {
         let mesh = skewed(formulation);
         let material = Material { volumetric, ..Material::default() };
-        let mut solid = Solid::new(&mesh, formulation, &material).unwrap();
+        let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
         let u = deformation(&mesh, 0.3);
         let (_, plain) = totals(&solid, &u, Request::Tangent);
         solid.carry_pressures(&u);

@@ -14,7 +14,7 @@ const FORMULATIONS: [Formulation; 5] =
 /// Stiffness of a body at rest, N/mm.
 fn stiffness(mesh: &Mesh, formulation: Formulation, bulk_modulus: f64) -> DMatrix<f64> {
     let material = Material { bulk_modulus, ..Material::default() };
-    let solid = Solid::new(mesh, formulation, &material).unwrap();
+    let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
     let rest = vec![[0.0; 3]; mesh.num_nodes()];
     let mut assembler = Assembler::new(rest.len(), &[&solid as &dyn LocalContribution], &[]);
     let mut totals = Totals::default();

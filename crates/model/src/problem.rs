@@ -1,6 +1,7 @@
 //! What a solver needs, as plain data.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
@@ -13,8 +14,8 @@ use crate::obstacle::Obstacle;
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// The body.
-    pub mesh: Mesh,
+    /// The body; shared with everything that is set up from the problem.
+    pub mesh: Arc<Mesh>,
     /// How the volumetric energy of its elements is treated.
     pub formulation: Formulation,
     /// Material of all elements that belong to no region.
@@ -134,9 +135,9 @@ impl ContactPair {
 
 impl Problem {
     /// A free body without loads and contact.
-    pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Self {
+    pub fn body(mesh: impl Into<Arc<Mesh>>, formulation: Formulation, material: Material) -> Self {
         Self {
-            mesh,
+            mesh: mesh.into(),
             formulation,
             material,
             regions: Vec::new(),

@@ -123,9 +123,9 @@ fn errors(element: Formulation, material: &Material, field: Field, cells: usize)
     let mesh = Lattice::uniform([0.0; 3], [1.0; 3], [cells; 3]).mesh_all(element.element_kind());
     let is_boundary: Vec<bool> =
         mesh.nodes.iter().flat_map(|x| [x.iter().any(|t| *t == 0.0 || *t == 1.0); 3]).collect();
-    let mesh = mesh.map_nodes(|[x, y, z]| {
+    let mesh = Arc::new(mesh.map_nodes(|[x, y, z]| {
         [x + 0.08 * (2.0 * y + z).sin(), y + 0.06 * (1.5 * z).cos() * x, z + 0.07 * (1.7 * x - y).sin()]
-    });
+    }));
     let start = displacement(&mesh, |x| field(x).0);
     match element.element_kind() {
         ElementKind::Hex8 => solve::<8>(&mesh, element, material, field, start, &is_boundary),
@@ -137,7 +137,7 @@ fn errors(element: Formulation, material: &Material, field: Field, cells: usize)
 
 /// Newton's method from the nodal values of the field, then its errors.
 fn solve<const N: usize>(
-    mesh: &Mesh,
+    mesh: &Arc<Mesh>,
     element: Formulation,
     material: &Material,
     field: Field,
@@ -185,14 +185,14 @@ fn solve<const N: usize>(
 
 /// Newton's method under nodal forces, N, with the mixed linearisation.
 fn newton(
-    mesh: &Mesh,
+    mesh: &Arc<Mesh>,
     element: Formulation,
     material: &Material,
     load: &[[f64; 3]],
     held: &[bool],
     u: &mut [[f64; 3]],
 ) -> Result<(), String> {
-    let mut solid = Solid::new(mesh, element, material).map_err(|e| e.to_string())?;
+    let mut solid = Solid::new(Arc::clone(mesh), element, material).map_err(|e| e.to_string())?;
     let mut assembler = Assembler::new(mesh.num_nodes(), &[&solid as &dyn LocalContribution], &[]);
     let symbolic = Symbolic::analyze(assembler.pattern(), Ordering::default()).map_err(|e| e.to_string())?;
     let mut factor = Factor::<3>::new(Arc::new(symbolic));

@@ -77,8 +77,8 @@ fn tube(formulation: Formulation, material: Material, [radial, around]: [usize; 
         (1, mesh.select_nodes(|[_, angle, _]| near(angle, 0.0))),
         (2, mesh.select_nodes(|_| true)),
     ];
-    let mut problem = body(mesh, formulation, material);
-    problem.mesh = problem.mesh.map_nodes(|[r, angle, z]| [r * angle.cos(), r * angle.sin(), z]);
+    let bent = mesh.map_nodes(|[r, angle, z]| [r * angle.cos(), r * angle.sin(), z]);
+    let mut problem = body(bent, formulation, material);
     problem.inflate("inside", inner);
     problem.supports = planes
         .map(|(axis, nodes)| Support {

@@ -97,7 +97,7 @@ fn elements() {
         for material in materials().into_iter().filter(|material| !is_slow(material)) {
             let mesh = skewed(formulation);
             let name = format!("{formulation} {:?} {:?} {:?}", material.law, material.volumetric, material.invariant);
-            let mut solid = Solid::new(&mesh, formulation, &material).unwrap();
+            let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
             let reference = SolidModel::new(&body(mesh.clone(), formulation, material)).unwrap();
             let stretched = displacement(&mesh, |[x, y, z]| [1.2 * x + 0.3 * z, y - 0.1 * x, 0.9 * z + 0.1 * y * x]);
             let u = sum(&stretched, &noise(mesh.num_nodes(), 0.02, 1));
@@ -237,7 +237,7 @@ fn global_residual_and_tangent() {
         let problem = coarse_chambers(formulation, invariant, method);
         let (u, p_kpa) = (leaning(&problem), 35.0);
         let p = p_kpa * MPA_PER_KPA;
-        let solid = Solid::new(&problem.mesh, formulation, &problem.material).unwrap();
+        let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
         let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
         pressure.pressure = p;
         let model = ContactModel::of(&problem);
@@ -306,7 +306,7 @@ fn one_newton_step() {
             }
         }
         system.carry(&u, &earlier);
-        let solid = Solid::new(&problem.mesh, formulation, &problem.material).unwrap();
+        let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
         let carried = solid.element_pressures(&u, Some(&earlier));
         assert!(difference(&carried, &solid.element_pressures(&u, None)) > 1e-3);
 
