@@ -25,9 +25,7 @@
 use std::sync::Arc;
 
 use nalgebra::Matrix4;
-use pneuflex_material::{
-    Hyperelastic, Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian,
-};
+use pneuflex_material::{Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian};
 use pneuflex_mesh::{
     ElementKind, Mesh,
     mesh::{cofactor, determinant},

@@ -5,27 +5,17 @@ use pneuflex_assembly::{Assembler, Couplings, LocalContribution, Pressure, Reque
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
-use pneuflex_model::{Formulation, Invariant, Law, Material, OgdenTerm, Volumetric};
+use pneuflex_model::{Formulation, Invariant, Material, Volumetric};
 
 const FORMULATIONS: [Formulation; 5] =
     [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
 
 /// Every law with every volumetric form.
 fn materials() -> Vec<Material> {
-    let ogden = vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }];
-    let laws = [
-        Law::Yeoh { c10: 0.2712, c20: 0.03053, c30: -0.000_401_3 },
-        Law::NeoHooke { c10: 0.3 },
-        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 },
-        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.03, c11: -0.01, c02: 0.004 },
-        Law::Ogden { terms: ogden },
-    ];
-    let mut materials = vec![Material { invariant: Invariant::Full, ..Material::default() }];
-    for law in laws {
-        materials.push(law.clone().into());
-        materials.push(Material { volumetric: Volumetric::Logarithmic, ..law.into() });
-    }
-    materials
+    let samples = pneuflex_laws::samples();
+    let isochoric = samples.iter().filter(|material| material.invariant == Invariant::Isochoric).cloned();
+    let logarithmic = isochoric.map(|material| Material { volumetric: Volumetric::Logarithmic, ..material });
+    logarithmic.collect::<Vec<_>>().into_iter().chain(samples).collect()
 }
 
 /// Two skewed elements.

@@ -6,10 +6,13 @@ use std::sync::Arc;
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
 use crate::MPA_PER_KPA;
-use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation};
+use crate::case::Case;
+use crate::formulation::Formulation;
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 use crate::material::Material;
 use crate::obstacle::Obstacle;
+use crate::options::{Contact, ContactMethod};
+use crate::range_check::CaseError;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]

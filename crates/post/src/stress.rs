@@ -18,8 +18,8 @@
 //! the solver too.
 
 use pneuflex_assembly::law::ElementMaterial;
-use pneuflex_material::{Hyperelastic, Kinematics, cofactor, volumetric};
-use pneuflex_material_yeoh::Yeoh;
+use pneuflex_laws::law_of;
+use pneuflex_material::{Kinematics, cofactor, volumetric};
 use pneuflex_mesh::mesh::determinant;
 use pneuflex_mesh::{ElementKind, quadrature, shape};
 use pneuflex_model::{Formulation, Invariant, Material, Problem, Volumetric};
@@ -94,7 +94,7 @@ fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
 /// `None` if there is none, or if the law is none in the first invariant alone: others are not checked. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
-    Yeoh::of(material)?.zero_slope()
+    law_of(material).limit()
 }
 
 /// von Mises stress of a symmetric tensor (theory §3).
@@ -389,18 +389,13 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
-    use pneuflex_assembly::MaterialLaw;
-    use pneuflex_model::{Law, OgdenTerm};
 
     fn materials() -> Vec<Material> {
-        let mooney_rivlin = Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 };
-        let ogden = Law::Ogden { terms: vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }] };
-        vec![
-            Material { invariant: Invariant::Full, ..Material::default() },
-            Material::default(),
-            Material { volumetric: Volumetric::Logarithmic, ..mooney_rivlin.into() },
-            ogden.into(),
-        ]
+        let logarithmic = pneuflex_laws::samples()
+            .into_iter()
+            .map(|material| Material { volumetric: Volumetric::Logarithmic, ..material })
+            .last();
+        pneuflex_laws::samples().into_iter().chain(logarithmic).collect()
     }
 
     const ALL: [Formulation; 5] =
@@ -417,7 +412,7 @@ mod tests {
                 let u = displacement_of(&problem, |x| std::array::from_fn(|i| (0..3).map(|j| h[i][j] * x[j]).sum()));
                 let field = recover(&problem, &u).unwrap();
                 let k = Kinematics::new(&h).unwrap();
-                let law = MaterialLaw::new(&material);
+                let law = law_of(&material);
                 let mut exact = law.cauchy_stress(&k);
                 // The fluctuations of J have the quadratic energy in any case.
                 let fluctuation_modulus = formulation.fluctuation_modulus(&material);
