@@ -27,7 +27,7 @@ use std::sync::Arc;
 use nalgebra::Matrix4;
 use pneuflex_material::{Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian};
 use pneuflex_mesh::{
-    ElementKind, Mesh,
+    Mesh,
     mesh::{cofactor, determinant},
 };
 use pneuflex_model::{Formulation, Material, Volumetric};
@@ -150,12 +150,9 @@ impl Solid {
     /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
-        match self.reference.kind {
-            ElementKind::Hex8 => self.pressures_of::<8, 2>(displacement, correction),
-            ElementKind::Hex20 => self.pressures_of::<20, 5>(displacement, correction),
-            ElementKind::Hex27 => self.pressures_of::<27, 7>(displacement, correction),
-            ElementKind::Tet10 => self.pressures_of::<10, 3>(displacement, correction),
-        }
+        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
+            self.pressures_of::<N, { N.div_ceil(LANES) }>(displacement, correction)
+        })
     }
 
     fn pressures_of<const N: usize, const C: usize>(
@@ -494,12 +491,9 @@ impl LocalContribution for Solid {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        match self.reference.kind {
-            ElementKind::Hex8 => self.dispatch::<8, 2>(block, displacement, request, out),
-            ElementKind::Hex20 => self.dispatch::<20, 5>(block, displacement, request, out),
-            ElementKind::Hex27 => self.dispatch::<27, 7>(block, displacement, request, out),
-            ElementKind::Tet10 => self.dispatch::<10, 3>(block, displacement, request, out),
-        }
+        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
+            self.dispatch::<N, { N.div_ceil(LANES) }>(block, displacement, request, out)
+        })
     }
 }
 

@@ -7,8 +7,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
 use pneuflex_model::{Formulation, Invariant, Material, Volumetric};
 
-const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 /// Every law with every volumetric form.
 fn materials() -> Vec<Material> {
@@ -97,7 +96,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
 
 #[test]
 fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
-    for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in Formulation::ALL {
         let size = MeshSize::uniform(9.0);
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();

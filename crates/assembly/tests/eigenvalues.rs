@@ -8,8 +8,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Formulation, Material};
 
-const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 /// Stiffness of a body at rest, N/mm.
 fn stiffness(mesh: &Mesh, formulation: Formulation, bulk_modulus: f64) -> DMatrix<f64> {

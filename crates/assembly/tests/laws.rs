@@ -3,13 +3,12 @@
 
 use pneuflex_assembly::law::ElementMaterial;
 use pneuflex_assembly::{Assembler, LocalBlock, LocalContribution, Request, Solid, Totals};
-use pneuflex_material::{Hyperelastic, Kinematics, volumetric};
+use pneuflex_material::{Kinematics, volumetric};
 use pneuflex_mesh::Mesh;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Law, Material, OgdenTerm, Volumetric};
 
-const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 fn ogden() -> Material {
     let terms = vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }];

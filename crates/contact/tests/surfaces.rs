@@ -11,7 +11,7 @@ use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactPair};
 use support::total;
 
-const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
+const KINDS: [ElementKind; 4] = ElementKind::ALL;
 
 fn self_pair(mesh: &Mesh) -> ContactPair {
     ContactPair::new("itself", mesh.boundary_facets(), mesh.boundary_facets())
