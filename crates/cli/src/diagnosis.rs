@@ -1,6 +1,6 @@
 //! Why a run ended, and what to be careful about, in the words of somebody who designs actuators.
 
-use pneuflex_model::{Case, ContactMethod, Formulation, Problem, Resolution};
+use pneuflex_model::{Case, ContactMethod, Problem, Resolution};
 use pneuflex_newton::{Cause, Failure};
 use pneuflex_post::stress::recover;
 use pneuflex_post::summary::StepSummary;
@@ -194,7 +194,7 @@ fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
         let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
         return Some((message.into(), advice));
     }
-    let is_linear = matches!(mesh.formulation(), Formulation::Hex8Sri | Formulation::Hex8Q1p0);
+    let is_linear = !mesh.formulation().element.is_quadratic();
     let size = mesh.mesh_size(&case.actuator);
     let across = case.actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
     (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| {

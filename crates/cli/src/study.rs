@@ -275,7 +275,10 @@ fn read_body(path: &Path, source: &Source) -> Result<Body, Vec<InputError>> {
         return Err(vec![InputError::file(path, "is neither a deck nor a mesh").help(Some(help))]);
     }
     let read = pneuflex_deck::msh::read(&shown, &bytes).map_err(said)?;
-    let formulation = Formulation::of_kind(read.mesh.kind);
+    let kind = read.mesh.kind;
+    let Some(formulation) = Formulation::of_kind(kind) else {
+        return Err(vec![InputError::file(path, format!("{} cannot be solved", kind.words()))]);
+    };
     let mesh = read.mesh.map_nodes(|x| x.map(|t| source.scale * t));
     let problem = Problem::body(mesh, formulation, Default::default());
     let notes = read.notes.iter().map(ToString::to_string).collect();

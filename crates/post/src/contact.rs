@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use pneuflex_contact::obstacle::distance;
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
-use pneuflex_mesh::{Facet, quadrature};
+use pneuflex_mesh::Facet;
 use pneuflex_model::{ContactPair, Problem};
 
 use crate::error::{PostError, check};
@@ -187,7 +187,6 @@ impl ContactState {
     /// Contact traction at every node, MPa: the mean tractions of the facets around the node, weighted by their
     /// reference areas.
     pub fn nodal_traction(&self, problem: &Problem) -> Vec<[f64; 3]> {
-        let rule = quadrature::face(problem.mesh.face_kind());
         let mut traction = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let mut area = vec![0.0; problem.mesh.num_nodes()];
         let of_pairs = problem.contact_pairs.iter().zip(&self.facet_force);
@@ -204,7 +203,7 @@ impl ContactState {
         }
         for (facet, force) in by_facet {
             let patch = Patch::new(&problem.mesh, facet, None);
-            let face: f64 = rule.iter().map(|&(xi, w)| w * norm(patch.at(xi).area_vector)).sum();
+            let face: f64 = (patch.kind().rule)().into_iter().map(|(xi, w)| w * norm(patch.at(xi).area_vector)).sum();
             for node in problem.mesh.facet_nodes(facet) {
                 area[node as usize] += face;
                 for d in 0..3 {

@@ -23,7 +23,7 @@ pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, 
     let nodal = stress.at_nodes(problem);
     let mut grid = Grid { points: mesh.nodes.clone(), time, ..Grid::default() };
     for element in 0..mesh.num_elements() {
-        grid.push_cell(mesh.kind.vtk_cell_type(), mesh.element(element).iter().copied());
+        grid.push_cell(mesh.kind_of(element).vtk_cell_type, mesh.element(element).iter().copied());
     }
     grid.point_data = vec![
         Field::vector("displacement", displacement.as_flattened().to_vec()),
@@ -95,7 +95,7 @@ pub fn contact_walls(
                 *n
             })
             .collect();
-        grid.push_cell(mesh.face_kind().vtk_cell_type(), local);
+        grid.push_cell(mesh.face_kind(face.facet).vtk_cell_type, local);
         gap.push(face.gap as f64);
         side.push(f64::from(u8::from(face.is_master)));
     }

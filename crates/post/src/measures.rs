@@ -1,6 +1,5 @@
 //! Numbers that describe a deformed body as a whole.
 
-use pneuflex_mesh::quadrature;
 use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
@@ -93,11 +92,10 @@ fn line_rotation(line: &[[f64; 2]]) -> f64 {
 /// A list of the wrong length or with a number that is not finite.
 pub fn cavity_volume(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
-    let rule = quadrature::face(problem.mesh.face_kind());
     let mut sum = 0.0;
     for facet in problem.cavity_facets() {
         let patch = Patch::new(&problem.mesh, facet, Some(displacement));
-        for &(xi, weight) in &rule {
+        for (xi, weight) in (patch.kind().rule)() {
             let point = patch.at(xi);
             sum += weight * dot(point.position, point.area_vector);
         }
@@ -112,11 +110,10 @@ pub fn cavity_volume(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64
 pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> Result<Option<f64>, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let Ok(plane_y) = problem.cavity_plane(cavity) else { return Ok(None) };
-    let rule = quadrature::face(problem.mesh.face_kind());
     let mut sum = 0.0;
     for &facet in &cavity.facets {
         let patch = Patch::new(&problem.mesh, facet, Some(displacement));
-        for &(xi, weight) in &rule {
+        for (xi, weight) in (patch.kind().rule)() {
             let point = patch.at(xi);
             sum -= weight * (point.position[1] - plane_y) * point.area_vector[1];
         }

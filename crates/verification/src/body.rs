@@ -1,18 +1,11 @@
 //! Bodies, supports and solutions that the problems share.
 
-use pneuflex_mesh::{ElementKind, Mesh};
+use pneuflex_mesh::Mesh;
 use pneuflex_model::{Formulation, Invariant, Material, Problem, Solver, Support};
 use pneuflex_newton::{ConvergedState, Event, Path, follow_path};
 
 /// All formulations.
-pub const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
-
-/// Whether an element has strains of second order, so that half as many cells do. The constant pressure of `tet10` bounds
-/// its strains to first order, as those of the linear hexahedra.
-pub fn is_second_order(element: Formulation) -> bool {
-    matches!(element.element_kind(), ElementKind::Hex20 | ElementKind::Hex27)
-}
+pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 /// The material of the paper with the isochoric invariant and a bulk modulus, MPa.
 pub fn material(bulk_modulus: f64) -> Material {

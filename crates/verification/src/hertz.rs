@@ -114,7 +114,7 @@ fn touching_points(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<Touching
     for block in model.search(&positions) {
         let nodes = &block.nodes[..block.nodes.len() / 2];
         for point in &block.points {
-            let shape = shape::evaluate_face(problem.mesh.face_kind(), point.slave_xi);
+            let shape = shape::evaluate_face(problem.mesh.kind.face_kind(0), point.slave_xi);
             let along =
                 |k: usize| -> f64 { nodes.iter().zip(shape.values).map(|(&n, v)| v * positions[n as usize][k]).sum() };
             touching.push(Touching { distance: along(0).hypot(along(1)), traction: point.traction, area: point.area });

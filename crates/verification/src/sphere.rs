@@ -8,7 +8,7 @@ use pneuflex_mesh::{ElementKind, Facet, Mesh};
 use pneuflex_model::{Formulation, MPA_PER_KPA, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, hold, inflate, is_second_order, material, near};
+use crate::body::{FORMULATIONS, body, hold, inflate, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -32,7 +32,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         let meshes: [[usize; 2]; 3] = match element {
             // On its coarsest mesh hex27 is accidentally better than its order.
             Formulation::Tet10 | Formulation::Hex27 => [[2, 2], [3, 3], [4, 4]],
-            _ if is_second_order(element) => [[1, 1], [2, 2], [4, 4]],
+            _ if element.is_second_order => [[1, 1], [2, 2], [4, 4]],
             _ => [[2, 2], [4, 4], [8, 8]],
         };
         let order = match element {

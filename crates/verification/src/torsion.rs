@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, displacement, hold, impose, is_second_order, last, material, near};
+use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -27,7 +27,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         // Cells across and along.
         let meshes: [[usize; 2]; 3] = match element {
             Formulation::Tet10 => [[4, 2], [6, 3], [8, 4]],
-            _ if is_second_order(element) => [[2, 1], [4, 2], [6, 3]],
+            _ if element.is_second_order => [[2, 1], [4, 2], [6, 3]],
             _ => [[4, 2], [8, 4], [12, 6]],
         };
         let order = match element {

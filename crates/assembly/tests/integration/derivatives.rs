@@ -4,27 +4,16 @@ use pneuflex_assembly::{Assembler, Couplings, LocalContribution, Pressure, Reque
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
-use pneuflex_model::{Formulation, Invariant, Law, Material, OgdenTerm, Volumetric};
+use pneuflex_model::{Formulation, Invariant, Material, Volumetric};
 
-const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 /// Every law with every volumetric form.
 fn materials() -> Vec<Material> {
-    let ogden = vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }];
-    let laws = [
-        Law::Yeoh { c10: 0.2712, c20: 0.03053, c30: -0.000_401_3 },
-        Law::NeoHooke { c10: 0.3 },
-        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 },
-        Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.03, c11: -0.01, c02: 0.004 },
-        Law::Ogden { terms: ogden },
-    ];
-    let mut materials = vec![Material { invariant: Invariant::Full, ..Material::default() }];
-    for law in laws {
-        materials.push(law.clone().into());
-        materials.push(Material { volumetric: Volumetric::Logarithmic, ..law.into() });
-    }
-    materials
+    let samples = pneuflex_laws::samples();
+    let isochoric = samples.iter().filter(|material| material.invariant == Invariant::Isochoric).cloned();
+    let logarithmic = isochoric.map(|material| Material { volumetric: Volumetric::Logarithmic, ..material });
+    logarithmic.collect::<Vec<_>>().into_iter().chain(samples).collect()
 }
 
 /// Two skewed elements.
@@ -98,7 +87,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
             let mesh = skewed(formulation);
             // A soft bulk keeps the difference quotient's digits.
             let material = Material { bulk_modulus: 3.0, ..material };
-            let solid = Solid::new(&mesh, formulation, &material).unwrap();
+            let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
             check(&format!("{formulation} {material:?}"), &solid, &deformation(&mesh, 0.8), |_| true);
         }
     }
@@ -106,7 +95,7 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
 
 #[test]
 fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
-    for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in Formulation::ALL {
         let size = MeshSize::uniform(9.0);
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();
@@ -143,7 +132,7 @@ fn carried_pressures_change_the_geometric_tangent_only() {
     for (formulation, volumetric) in FORMULATIONS.into_iter().flat_map(|f| forms.map(|form| (f, form))) {
         let mesh = skewed(formulation);
         let material = Material { volumetric, ..Material::default() };
-        let mut solid = Solid::new(&mesh, formulation, &material).unwrap();
+        let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
         let u = deformation(&mesh, 0.3);
         let (_, plain) = totals(&solid, &u, Request::Tangent);
         solid.carry_pressures(&u);

@@ -7,13 +7,12 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Formulation, Material};
 
-const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
 /// Stiffness of a body at rest, N/mm.
 fn stiffness(mesh: &Mesh, formulation: Formulation, bulk_modulus: f64) -> DMatrix<f64> {
     let material = Material { bulk_modulus, ..Material::default() };
-    let solid = Solid::new(mesh, formulation, &material).unwrap();
+    let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
     let rest = vec![[0.0; 3]; mesh.num_nodes()];
     let mut assembler = Assembler::new(rest.len(), &[&solid as &dyn LocalContribution], &[]);
     let mut totals = Totals::default();

@@ -27,7 +27,7 @@ fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
 
 #[test]
 fn force_and_tangent_are_derivatives_of_the_energy() {
-    for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
+    for kind in ElementKind::ALL {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (mesh, pairs, positions) = touching(kind);
             let model = ContactModel::new(&mesh, &pairs, &Contact { method, ..Contact::default() });
@@ -102,7 +102,7 @@ fn the_search_finds_the_same_points_as_brute_force() {
         let n = slave.kind.num_nodes();
         let mut expected = Vec::new();
         for face in 0..slave.num_faces() {
-            for (xi, _) in pneuflex_mesh::quadrature::contact_face(slave.kind) {
+            for (xi, _) in slave.kind.contact_rule() {
                 let nodes = slave.face_positions(face, &positions);
                 let shape = pneuflex_mesh::shape::evaluate_face(slave.kind, xi);
                 let point = face_geometry(&nodes[..n], &shape).position;

@@ -6,7 +6,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, Curve, Motion, Obstacle, Shape};
 
-const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
+const KINDS: [ElementKind; 4] = ElementKind::ALL;
 
 /// A block of 2 × 2 × 1 mm, bent.
 fn block(kind: ElementKind) -> (Mesh, Vec<[f64; 3]>) {
@@ -103,7 +103,7 @@ fn every_point_in_an_obstacle_is_found() {
     let mesh = Lattice::uniform([-4.0, -3.0, 0.0], [4.0, 3.0, 1.0], [9, 7, 1]).mesh_all(kind);
     let bent = |&[x, y, z]: &[f64; 3]| [x, y, z + 0.1 * (1.7 * x).sin() * (1.1 * y).cos()];
     let positions: Vec<[f64; 3]> = mesh.nodes.iter().map(bent).collect();
-    let rule = pneuflex_mesh::quadrature::contact_face(kind.face_kind());
+    let rule = kind.face_kind(0).contact_rule();
     for shape in shapes() {
         let model =
             ContactModel::new(&mesh, &[], &Contact::default()).with_obstacles(&mesh, &[obstacle(&mesh, shape.clone())]);

@@ -8,7 +8,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactPair};
 
-const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
+const KINDS: [ElementKind; 4] = ElementKind::ALL;
 
 fn self_pair(mesh: &Mesh) -> ContactPair {
     ContactPair::new("itself", mesh.boundary_facets(), mesh.boundary_facets())

@@ -65,7 +65,7 @@ fn physical_groups_are_sets() {
                 return assert!(mesh.facet_set(set).is_empty(), "{name}: {set}");
             };
             assert_eq!(mesh.facet_set(set), mesh.select_facets(lies), "{name}: {set}");
-            let corners = mesh.face_kind().num_corners();
+            let corners = mesh.kind.face_kind(0).num_corners();
             let of_triangle = |a: u32, b: u32, c: u32| {
                 let [a, b, c] = [a, b, c].map(|n| mesh.nodes[n as usize]);
                 let (u, v): ([f64; 3], [f64; 3]) =

@@ -7,8 +7,7 @@ use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, P
 use pneuflex_newton::{ConvergedState, Event, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
-pub const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 pub const METHODS: [ContactMethod; 3] = [ContactMethod::None, ContactMethod::SinglePoint, ContactMethod::MultiPoint];
 
