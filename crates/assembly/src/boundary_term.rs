@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use pneuflex_mesh::quadrature::gauss_legendre;
 use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_model::Pressure;
 
 /// What is small enough to be rounding, relative to the largest coupling.
 const ROUNDING: f64 = 1e-9;
 
-/// BoundaryTerm of a surface.
+/// The rim of a surface.
 #[derive(Clone, Debug)]
 pub struct BoundaryTerm {
     mesh: Arc<Mesh>,
@@ -32,8 +33,8 @@ impl BoundaryTerm {
         Self { edges: mesh.rim(facets), mesh }
     }
 
-    /// Adds the couplings under a pressure (MPa) at a displacement (mm).
-    pub fn couple(&self, pressure: f64, displacement: &[[f64; 3]], couplings: &mut Couplings) {
+    /// Adds the couplings under a pressure at a displacement (mm).
+    pub fn couple(&self, pressure: Pressure, displacement: &[[f64; 3]], couplings: &mut Couplings) {
         // N_a N_b dr is of degree 5 at the most.
         let rule = gauss_legendre(3);
         for edge in &self.edges {
@@ -51,7 +52,7 @@ impl BoundaryTerm {
                 }
                 for (&a, na) in edge.iter().zip(&values) {
                     for (&b, nb) in edge.iter().zip(&values) {
-                        couplings.entries.push((a, b, tangent.map(|t| 0.5 * pressure * weight * na * nb * t)));
+                        couplings.entries.push((a, b, tangent.map(|t| 0.5 * pressure.mpa() * weight * na * nb * t)));
                     }
                 }
             }

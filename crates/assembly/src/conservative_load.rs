@@ -1,6 +1,79 @@
 //! Nodal forces of loads that keep their direction and size, whatever the body does.
 
 use pneuflex_mesh::{Facet, Mesh, mesh::determinant, shape};
+use pneuflex_model::load::Load;
+use pneuflex_model::{Curve, LoadParameter, Problem};
+
+use crate::contribution::{Contribution, Position};
+use crate::local::LocalContribution;
+
+/// Forces, tractions and weights.
+#[derive(Clone, Debug)]
+pub struct ConservativeLoads {
+    /// Forces on the nodes, N, and their factor along the load path.
+    loads: Vec<(Vec<[f64; 3]>, Curve)>,
+    parameter: LoadParameter,
+}
+
+impl ConservativeLoads {
+    /// Those of a problem.
+    pub fn of(problem: &Problem) -> Self {
+        let loads = problem.loads.iter().filter_map(|load| forces_of(problem, load)).collect();
+        Self { loads, parameter: LoadParameter::default() }
+    }
+}
+
+impl Contribution for ConservativeLoads {
+    fn name(&self) -> &'static str {
+        "conservative loads"
+    }
+
+    fn set_position(&mut self, position: Position<'_>) {
+        self.parameter = position.parameter;
+    }
+
+    fn blocks(&self) -> Option<&dyn LocalContribution> {
+        None
+    }
+
+    fn is_load(&self) -> bool {
+        true
+    }
+
+    fn add_forces(&self, residual: &mut [[f64; 3]]) {
+        for (forces, curve) in &self.loads {
+            let factor = -curve.at(self.parameter);
+            for (sum, &force) in residual.iter_mut().zip(forces) {
+                add_scaled(sum, factor, force);
+            }
+        }
+    }
+}
+
+/// Forces on the nodes of a load that keeps its direction, N, and their factor along the load path.
+fn forces_of(problem: &Problem, load: &Load) -> Option<(Vec<[f64; 3]>, Curve)> {
+    let mesh = &problem.mesh;
+    match load {
+        Load::Force { nodes, force, curve } => {
+            let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
+            for &node in nodes {
+                add_scaled(&mut forces[node as usize], 1.0, *force);
+            }
+            Some((forces, curve.clone()))
+        }
+        Load::Traction { facets, traction, curve } => Some((traction_forces(mesh, facets, *traction), curve.clone())),
+        Load::Gravity { elements, acceleration, curve } => {
+            let (materials, of_element) = problem.materials();
+            let density = |element: u32| materials[usize::from(of_element[element as usize])].density_in_t_per_mm3();
+            let forces = match elements {
+                Some(elements) => weight_forces(mesh, elements.iter().copied(), density, *acceleration),
+                None => weight_forces(mesh, 0..mesh.num_elements() as u32, density, *acceleration),
+            };
+            Some((forces, curve.clone()))
+        }
+        Load::Pressure { .. } => None,
+    }
+}
 
 /// ∫ N_a t dA over faces at rest for a traction t, N, one entry per node.
 pub fn traction_forces(mesh: &Mesh, facets: &[Facet], traction: [f64; 3]) -> Vec<[f64; 3]> {

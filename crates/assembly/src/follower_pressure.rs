@@ -12,14 +12,15 @@
 use std::sync::Arc;
 
 use pneuflex_mesh::{Facet, Mesh, shape, shape::FaceShape};
+use pneuflex_model::Pressure;
 
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// Faces under air pressure.
 #[derive(Clone, Debug)]
 pub struct FollowerPressure {
-    /// Pressure, MPa.
-    pub pressure: f64,
+    /// The pressure.
+    pub pressure: Pressure,
     /// Coordinate y of the plane that the volume is measured from, mm: that of a plane of symmetry y = const that cuts the cavity.
     pub plane_y: f64,
     mesh: Arc<Mesh>,
@@ -34,7 +35,7 @@ impl FollowerPressure {
         let mesh = mesh.into();
         let kind = mesh.surface_kind(facets);
         Self {
-            pressure: 0.0,
+            pressure: Pressure::default(),
             plane_y: 0.0,
             faces: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
             nodes_per_face: kind.num_nodes(),
@@ -47,6 +48,23 @@ impl FollowerPressure {
     /// y = [`Self::plane_y`].
     pub fn volume(&self, displacement: &[[f64; 3]]) -> f64 {
         (0..self.num_blocks()).map(|face| self.face_volume(face, displacement)).sum()
+    }
+
+    /// ∫ N_a n dS = −∂V/∂x_a: forces on the nodes under a pressure of 1 MPa, N, one entry per node.
+    pub fn forces_of_unit_pressure(&self, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut forces = vec![[0.0; 3]; displacement.len()];
+        for face in 0..self.num_blocks() {
+            for (shape, weight) in &self.rule {
+                let (_, tangents) = self.geometry(face, displacement, shape);
+                let normal = cross(&tangents);
+                for (&node, value) in self.nodes(face).iter().zip(&shape.values) {
+                    for k in 0..3 {
+                        forces[node as usize][k] += weight * value * normal[k];
+                    }
+                }
+            }
+        }
+        forces
     }
 
     fn face_volume(&self, face: usize, displacement: &[[f64; 3]]) -> f64 {
@@ -89,14 +107,15 @@ impl LocalContribution for FollowerPressure {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        out.energy -= self.pressure * self.face_volume(block, displacement);
+        out.energy -= self.pressure.mpa() * self.face_volume(block, displacement);
         if request == Request::Energy {
             return Ok(());
         }
         for (shape, weight) in &self.rule {
-            let (_, [t1, t2]) = self.geometry(block, displacement, shape);
-            let load = self.pressure * weight;
-            let normal = [t1[1] * t2[2] - t1[2] * t2[1], t1[2] * t2[0] - t1[0] * t2[2], t1[0] * t2[1] - t1[1] * t2[0]];
+            let (_, tangents) = self.geometry(block, displacement, shape);
+            let [t1, t2] = tangents;
+            let load = self.pressure.mpa() * weight;
+            let normal = cross(&tangents);
             for (a, r) in out.residual.iter_mut().enumerate() {
                 for k in 0..3 {
                     r[k] += load * shape.values[a] * normal[k];
@@ -127,4 +146,9 @@ impl LocalContribution for FollowerPressure {
         }
         Ok(())
     }
+}
+
+/// r_ξ × r_η: the normal into the solid, times the ratio of areas.
+fn cross([a, b]: &[[f64; 3]; 2]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

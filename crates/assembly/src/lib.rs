@@ -19,8 +19,10 @@
 //! number of threads, and scattering costs a small part of computing.
 
 pub mod boundary_term;
+pub mod cavity;
 pub mod conservative_load;
 pub mod contact;
+pub mod contribution;
 pub mod equations;
 pub mod follower_pressure;
 pub mod formulation;
@@ -31,7 +33,9 @@ pub mod local;
 pub mod solid;
 
 pub use boundary_term::{BoundaryTerm, Couplings};
-pub use contact::Contact;
+pub use conservative_load::ConservativeLoads;
+pub use contact::ContactForces;
+pub use contribution::{BorderedEquation, Contribution, Mixed, Position, Prediction, Unilateral};
 pub use equations::Equations;
 pub use follower_pressure::FollowerPressure;
 pub use formulation::ReferenceElement;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Contact, ContactPair, Obstacle, Problem};
+use pneuflex_model::{Contact, ContactPair, LoadParameter, Obstacle, Problem};
 
 use crate::contact_block::Partner;
 use crate::obstacle::{Distance, distance};
@@ -58,16 +58,16 @@ impl ContactModel {
             let surface = Surface::new(&self.mesh, &obstacle.facets);
             let rule = surface.kind.contact_rule();
             let areas = point_areas(&surface, &rule, &self.mesh.nodes, 1.0);
-            let (first_point, offset) = (self.num_points(), obstacle.offset(0.0));
+            let (first_point, offset) = (self.num_points(), obstacle.offset(LoadParameter::default()));
             self.obstacles.push(Rigid { obstacle: obstacle.clone(), surface, offset, rule, areas, first_point });
         }
         self
     }
 
-    /// Moves the obstacles to where they are at a time.
-    pub fn set_time(&mut self, time: f64) {
+    /// Moves the obstacles to where they are at a position on the load path.
+    pub fn set_parameter(&mut self, parameter: LoadParameter) {
         for rigid in &mut self.obstacles {
-            rigid.offset = rigid.obstacle.offset(time);
+            rigid.offset = rigid.obstacle.offset(parameter);
         }
     }
 

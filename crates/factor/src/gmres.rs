@@ -2,20 +2,58 @@
 //! that the factor of a symmetric tangent lacks: with that factor as preconditioner the operator is the identity plus something of low
 //! rank, and a few dozen vectors do.
 
-/// Relative residual that is good enough for a correction of Newton's method.
+/// Relative residual that is aimed at.
 const TOLERANCE: f64 = 1e-11;
+
+/// Relative residual up to which a correction of Newton's method still contracts as well as an exact one does for all practical purposes.
+const ACCEPTED: f64 = 1e-6;
 
 /// Vectors at the most.
 const MOST_VECTORS: usize = 200;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// x.
+    pub x: Vec<f64>,
+    /// ‖A x − b‖ / ‖b‖, as the method itself estimates it.
+    pub relative_residual: f64,
+}
+
+/// The residual is not small enough to be of use.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the unsymmetric part of the tangent is too large to be solved with the factor of the symmetric one \
+     (relative residual {relative_residual:.1e} after {MOST_VECTORS} vectors at the most)"
+)]
+pub struct NotConverged {
+    /// What is left, relative to the right-hand side.
+    pub relative_residual: f64,
+}
+
+impl Solution {
+    /// The solution, if its residual is small enough for a correction of Newton's method.
+    ///
+    /// # Errors
+    /// [`NotConverged`] if it is not.
+    pub fn or_not_converged(self) -> Result<Vec<f64>, NotConverged> {
+        // Written so that a NaN is refused too.
+        if self.relative_residual <= ACCEPTED {
+            Ok(self.x)
+        } else {
+            Err(NotConverged { relative_residual: self.relative_residual })
+        }
+    }
+}
 
 /// Solves A x = b for x, starting at zero; what was reached is returned if b was not.
 ///
 /// # Errors
 /// Those of `apply`, which yields A times a vector.
-pub fn solve<E>(rhs: &[f64], mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
+pub fn solve<E>(rhs: &[f64], mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>) -> Result<Solution, E> {
     let norm = dot(rhs, rhs).sqrt();
     if norm == 0.0 || !norm.is_finite() {
-        return Ok(rhs.to_vec());
+        return Ok(Solution { x: rhs.to_vec(), relative_residual: 0.0 * norm });
     }
     let mut basis = vec![rhs.iter().map(|x| x / norm).collect::<Vec<f64>>()];
     // Upper triangle, column by column, and the rotations that made it one.
@@ -65,7 +103,8 @@ pub fn solve<E>(rhs: &[f64], mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E
         coefficients[i] = (projected[i] - known) / triangle[i][i];
         subtract(&mut solution, -coefficients[i], &basis[i]);
     }
-    Ok(solution)
+    let left = projected.last().map_or(norm, |left| left.abs());
+    Ok(Solution { x: solution, relative_residual: left / norm })
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -98,13 +137,24 @@ mod tests {
                 products += 1;
                 Ok(product(x))
             });
-            for (a, b) in found.unwrap().iter().zip(&exact) {
+            for (a, b) in found.unwrap().or_not_converged().unwrap().iter().zip(&exact) {
                 assert!((a - b).abs() < 1e-9, "{a} {b}");
             }
             assert!(products <= most, "{products}");
         };
         check(&full, 12);
         check(&low_rank, 3);
-        assert_eq!(solve::<()>(&[0.0; 3], |_| Err(())), Ok(vec![0.0; 3]));
+        assert_eq!(solve::<()>(&[0.0; 3], |_| Err(())).unwrap().x, vec![0.0; 3]);
+    }
+
+    /// A singular system has no solution, and says so.
+    #[test]
+    fn what_is_not_solved_is_said() {
+        // A projection onto the plane x = 0.
+        let found = solve::<()>(&[1.0, 1.0, 0.0], |x| Ok(vec![0.0, x[1], x[2]])).unwrap();
+        assert!(found.relative_residual > 0.5, "{found:?}");
+        assert!(found.or_not_converged().is_err());
+        let undefined = solve::<()>(&[f64::NAN, 1.0], |x| Ok(x.to_vec())).unwrap();
+        assert!(undefined.or_not_converged().is_err());
     }
 }

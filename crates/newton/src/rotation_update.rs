@@ -1,4 +1,4 @@
-//! Rotation-aware increments (design §3.2; as in the rotation-strain warping of Huang et al. 2011).
+//! The rotation update of displacements (theory §11; as in the rotation-strain warping of Huang et al. 2011).
 //!
 //! A Newton correction δu of a bending body is mostly rotation, and a rotation applied along straight lines stretches
 //! everything. So the correction's gradient is taken as a rate: with D = δF F⁻¹ the deformation gradient aimed at is
@@ -17,7 +17,7 @@ use pneuflex_mesh::{Mesh, with_num_nodes};
 use rayon::prelude::*;
 
 /// The Laplacians of a mesh, factorised.
-pub struct Warp {
+pub struct RotationUpdate {
     mesh: Arc<Mesh>,
     points: Vec<IntegrationPoint>,
     assembler: Assembler,
@@ -28,7 +28,7 @@ pub struct Warp {
     held: Vec<bool>,
 }
 
-impl Warp {
+impl RotationUpdate {
     /// Factorises the Laplacians for a mesh with the given held degrees of freedom (3 · node + axis). Where a part of the body is not
     /// held along an axis, its first node goes along that axis where the linear correction puts it.
     ///
@@ -119,7 +119,7 @@ impl Extent {
     }
 }
 
-impl Warp {
+impl RotationUpdate {
     /// Extent of a correction at a displacement.
     pub fn extent(&self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
         let of_element =
@@ -353,12 +353,12 @@ mod tests {
         // Held at a single node only: the Laplacian needs no more.
         let mut held = vec![false; 3 * mesh.num_nodes()];
         held[..3].fill(true);
-        let mut warp = Warp::new(&mesh, &held, Parallelism::Serial).unwrap();
+        let mut update = RotationUpdate::new(&mesh, &held, Parallelism::Serial).unwrap();
         // A quarter turn about z, applied as its rate at rest: straight along the tangents.
         let angle = std::f64::consts::FRAC_PI_2;
         let rate: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [-angle * x[1], angle * x[0], 0.0]).collect();
         let mut u = vec![[0.0; 3]; mesh.num_nodes()];
-        warp.apply(&mut u, &rate).unwrap();
+        update.apply(&mut u, &rate).unwrap();
         for (x, u) in mesh.nodes.iter().zip(&u) {
             let turned = [-x[1], x[0], x[2]];
             for k in 0..3 {
@@ -372,14 +372,14 @@ mod tests {
         let mesh = Arc::new(Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [3, 2, 2]).mesh_all(ElementKind::Hex20));
         let mut held = vec![false; 3 * mesh.num_nodes()];
         held[..3].fill(true);
-        let warp = Warp::new(&mesh, &held, Parallelism::Serial).unwrap();
+        let update = RotationUpdate::new(&mesh, &held, Parallelism::Serial).unwrap();
         // At a state stretched to twice its length along x, a rotation about z and a further stretch along y.
         let u: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [x[0], 0.0, 0.0]).collect();
         let turn: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [-0.3 * x[1], 0.6 * x[0], 0.0]).collect();
-        let turned = warp.extent(&u, &turn);
+        let turned = update.extent(&u, &turn);
         assert!((turned.angle - 0.3).abs() < 1e-12 && turned.stretch < 1e-12, "{turned:?}");
         let widen: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [0.0, 0.2 * x[1], 0.0]).collect();
-        let widened = warp.extent(&u, &widen);
+        let widened = update.extent(&u, &widen);
         assert!((widened.stretch - 0.2).abs() < 1e-12 && widened.angle < 1e-12, "{widened:?}");
     }
 
@@ -387,12 +387,12 @@ mod tests {
     fn small_corrections_are_changed_in_second_order_only() {
         let mesh = Arc::new(Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [3, 2, 2]).mesh_all(ElementKind::Hex27));
         let held: Vec<bool> = mesh.nodes.iter().flat_map(|x| [x[0] == 0.0; 3]).collect();
-        let mut warp = Warp::new(&mesh, &held, Parallelism::Serial).unwrap();
+        let mut update = RotationUpdate::new(&mesh, &held, Parallelism::Serial).unwrap();
         let mut change = |size: f64| -> f64 {
             let delta: Vec<[f64; 3]> =
                 mesh.nodes.iter().map(|x| [0.0, size * x[0] * x[0], -size * x[0] * x[1]]).collect();
             let mut u = vec![[0.0; 3]; mesh.num_nodes()];
-            warp.apply(&mut u, &delta).unwrap();
+            update.apply(&mut u, &delta).unwrap();
             u.iter().zip(&delta).flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).abs())).fold(0.0, f64::max)
         };
         let (coarse, fine) = (change(1e-3), change(1e-4));
