@@ -34,7 +34,6 @@ pub use contact::Contact;
 pub use equations::Equations;
 pub use formulation::ReferenceElement;
 pub use global::{Assembler, Totals};
-pub use law::MaterialLaw;
 pub use local::{LocalBlock, LocalContribution, LocalError, Request};
 pub use pressure::Pressure;
 pub use rim::{Couplings, Rim};

@@ -9,7 +9,7 @@
 //! `V = −∮ y n_y dS`: a rim in the symmetry plane y = 0, or in planes x = const and z = const, adds nothing to it or to its derivatives. (The form ⅓∮ r·n dS
 //! has the right derivative along the plane, but adds forces normal to it along the rim.)
 
-use pneuflex_mesh::{Facet, Mesh, quadrature, shape, shape::FaceShape};
+use pneuflex_mesh::{Facet, Mesh, shape, shape::FaceShape};
 
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
@@ -29,14 +29,14 @@ pub struct Pressure {
 impl Pressure {
     /// The given facets of a mesh, at zero pressure.
     pub fn new(mesh: &Mesh, facets: &[Facet]) -> Self {
-        let kind = mesh.face_kind();
+        let kind = mesh.surface_kind(facets);
         Self {
             pressure: 0.0,
             plane_y: 0.0,
             nodes: mesh.nodes.clone(),
             faces: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
             nodes_per_face: kind.num_nodes(),
-            rule: quadrature::face(kind).into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect(),
+            rule: (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect(),
         }
     }
 

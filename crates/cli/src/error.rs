@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::{self, IsTerminal, Write};
 
 use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
-use pneuflex::input_error::Origin;
+use pneuflex::input_error::{InputErrorKind, Origin};
 use pneuflex::{Error, InputError, ResultsError};
 
 /// An error of the program.
@@ -42,7 +42,9 @@ impl From<Error> for CliError {
             Error::Input(errors) => Self::Input(errors),
             Error::Results(error) => error.into(),
             Error::Threads { threads, source } => InputError::new(format!("--threads {threads}: {source}")).into(),
-            Error::NotConverged(ended) | Error::Interrupted(ended) => Self::NotConverged(ended.to_string()),
+            Error::Setup(ended) | Error::NotConverged(ended) | Error::Interrupted(ended) => {
+                Self::NotConverged(ended.to_string())
+            }
         }
     }
 }
@@ -79,8 +81,22 @@ fn print(error: &InputError) {
         }
         None => say(&format!("error: {error}")),
     }
-    if let Some(help) = error.help() {
+    if let Some(help) = help(error) {
         say(&format!("  help: {help}"));
+    }
+}
+
+/// What to do about bad input, in terms of the command line.
+fn help(error: &InputError) -> Option<&str> {
+    match error.kind() {
+        InputErrorKind::Other => error.help(),
+        InputErrorKind::TooLarge => {
+            Some("choose a coarser mesh.resolution or a larger mesh.size, or --force to try all the same")
+        }
+        InputErrorKind::UnusableFolder => Some("choose another folder with --out"),
+        InputErrorKind::ForeignFolder => Some("choose another folder with --out; nothing was touched"),
+        InputErrorKind::BusyFolder => Some("wait until it has ended, or choose another folder with --out"),
+        InputErrorKind::OtherResults => Some("run without --resume to start over; that replaces what is there"),
     }
 }
 
@@ -114,7 +130,7 @@ impl std::error::Error for Shown<'_> {}
 
 impl Diagnostic for Shown<'_> {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.error.help().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        help(self.error).map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

@@ -65,7 +65,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             say(&format!("{ended}\n  {go_on}"));
             Ok(Outcome::Interrupted)
         }
-        Err(Error::NotConverged(ended)) => {
+        Err(Error::NotConverged(ended) | Error::Setup(ended)) => {
             report(&progress);
             let advice = ended.reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice));
             let advice = advice.unwrap_or_default();

@@ -6,7 +6,7 @@ use pneuflex_mesh::{FaceKind, shape};
 
 use crate::broad_phase::{Bounds, FaceTree, join, overlap};
 use crate::own_body::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
-use crate::pass::{Pass, bulge};
+use crate::pass::Pass;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
 use crate::search::{ContactBlock, ContactModel, ContactPoint, Partner};
 use crate::surface::Surface;
@@ -228,13 +228,13 @@ impl Slab {
         let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
         let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
         let [low, high] = extent(nodes, normal);
-        Self { normal, front: high + (bulge(kind) + 2.0 * EXTENSION) * (high - low) }
+        Self { normal, front: high + (kind.bulge + 2.0 * EXTENSION) * (high - low) }
     }
 
     /// Whether a slave face lies wholly in front, further away than `margin`: then no distance to this face is below it.
     fn is_clear(&self, kind: FaceKind, slave: &[[f64; 3]], margin: f64) -> bool {
         let [low, high] = extent(slave, self.normal);
-        low - bulge(kind) * (high - low) > self.front + margin
+        low - kind.bulge * (high - low) > self.front + margin
     }
 }
 
@@ -255,6 +255,6 @@ fn distance_to_box(point: [f64; 3], bounds: &Bounds) -> f64 {
 fn grown_box(surface: &Surface, face: usize, positions: &[[f64; 3]], room: f64) -> Bounds {
     let [low, high] = surface.bounding_box(face, positions);
     let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
-    let share = if surface.kind == FaceKind::Quad4 { room } else { 2.5 * room };
+    let share = if surface.kind.is_linear() { room } else { 2.5 * room };
     [low.map(|x| x - share * size), high.map(|x| x + share * size)]
 }

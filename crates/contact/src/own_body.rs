@@ -20,7 +20,7 @@
 
 use std::collections::BTreeSet;
 
-use pneuflex_mesh::{FaceKind, shape};
+use pneuflex_mesh::shape;
 
 use crate::projection::{EXTENSION, Projection, cross, dot, face_geometry, sub, unit_normal};
 use crate::surface::Surface;
@@ -57,11 +57,7 @@ impl NormalCone {
         let nodes = &surface.face_positions(face, positions)[..n];
         let at = |xi| unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, xi)).tangents).0;
         let axis = at(kind.centre());
-        let corners: &[[f64; 2]] = match kind {
-            FaceKind::Tri6 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-            _ => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
-        };
-        let half_angle = corners.iter().map(|&xi| angle(axis, at(xi))).fold(0.0, f64::max);
+        let half_angle = kind.corners().iter().map(|&xi| angle(axis, at(xi))).fold(0.0, f64::max);
         Self { axis, half_angle: CONE_FACTOR * half_angle + CONE_ROOM }
     }
 

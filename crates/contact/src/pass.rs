@@ -1,6 +1,6 @@
 //! One surface's points against another surface: what of it does not change.
 
-use pneuflex_mesh::{FaceKind, Facet, Mesh, quadrature, shape};
+use pneuflex_mesh::{Facet, Mesh, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
 
 use crate::own_body::share_nodes;
@@ -54,10 +54,10 @@ impl Pass {
         // Of two faces of one surface each is the other's slave.
         let is_shared = pair.is_two_pass || pair.is_self();
         let new = |slave: &[Facet], master: &[Facet], is_reversed: bool, first_point: usize| {
-            let kind = mesh.face_kind();
+            let kind = mesh.surface_kind(slave);
             let rule = match method {
                 ContactMethod::SinglePoint => vec![(kind.centre(), kind.reference_area())],
-                _ => quadrature::contact_face(kind),
+                _ => kind.contact_rule(),
             };
             let (slave, master) = (Surface::new(mesh, slave), Surface::new(mesh, master));
             let areas = point_areas(&slave, &rule, &mesh.nodes, if is_shared { 0.5 } else { 1.0 });
@@ -137,13 +137,4 @@ fn sizes(surface: &Surface, nodes: &[[f64; 3]]) -> (f64, f64) {
     let boxes: Vec<_> = (0..surface.num_faces()).map(|face| surface.bounding_box(face, nodes)).collect();
     let mean = boxes.iter().map(longest).sum::<f64>() / boxes.len() as f64;
     (mean, longest(&crate::broad_phase::join(&boxes)))
-}
-
-/// By how much of their nodes' extent faces may exceed it: half of what their shape functions' absolute values exceed 1 by.
-pub(crate) fn bulge(kind: FaceKind) -> f64 {
-    match kind {
-        FaceKind::Quad4 => 0.0,
-        // Σ|N| ≤ 25/16 for nine nodes, 2 for eight, 5/3 for the triangle.
-        FaceKind::Quad8 | FaceKind::Quad9 | FaceKind::Tri6 => 0.5,
-    }
 }

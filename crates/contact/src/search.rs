@@ -1,12 +1,12 @@
 //! Which points touch which faces and obstacles.
 
-use pneuflex_mesh::{Mesh, quadrature, shape};
+use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, Obstacle, Problem};
 use rayon::prelude::*;
 
 use crate::narrow_phase::{Facing, single_blocks};
 use crate::obstacle::{Distance, distance};
-use crate::pass::{Pass, bulge, point_areas};
+use crate::pass::{Pass, point_areas};
 use crate::projection::{dot, face_geometry, sub};
 use crate::surface::Surface;
 
@@ -108,7 +108,7 @@ impl ContactModel {
     pub fn with_obstacles(mut self, mesh: &Mesh, obstacles: &[Obstacle]) -> Self {
         for obstacle in obstacles {
             let surface = Surface::new(mesh, &obstacle.facets);
-            let rule = quadrature::contact_face(surface.kind);
+            let rule = surface.kind.contact_rule();
             let areas = point_areas(&surface, &rule, &mesh.nodes, 1.0);
             let (first_point, offset) = (self.num_points(), obstacle.offset(0.0));
             self.obstacles.push(Rigid { obstacle: obstacle.clone(), surface, offset, rule, areas, first_point });
@@ -251,7 +251,7 @@ impl ContactModel {
         // The distance changes by no more than the way one moves.
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
-        let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + bulge(kind)) * radius;
+        let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + kind.bulge) * radius;
         if nearest > TOUCHING + most_shift {
             return None;
         }

@@ -1,23 +1,24 @@
 //! A boundary-value problem with what is to be found out about it.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::Actuator;
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Case, CaseError, Probe, Problem, Solver};
-use pneuflex_newton::LandedState;
+use pneuflex_newton::ConvergedState;
 use pneuflex_post::contact;
-use pneuflex_post::summary::{Described, probe_sites};
+use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
 use crate::body_file::read_body;
 use crate::derived;
+use crate::diagnosis::{Warning, warnings};
 use crate::document::CaseFile;
 use crate::error::Error;
 use crate::files::{Files, INPUT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
-use crate::overview::Overview;
-use crate::run::{Run, Solution};
+use crate::recorded_mesh::{self, RecordedMesh};
 use crate::store::Store;
 
 /// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
@@ -57,6 +58,18 @@ pub enum Description {
     Actuator(Box<Case>),
     /// By a model file, and the files of its body.
     Model(Box<Model>, Files),
+    /// By a model whose body was built in memory.
+    Body(Box<Model>),
+}
+
+impl Description {
+    /// The tables of a model; `None` for an actuator's case.
+    pub fn model(&self) -> Option<&Model> {
+        match self {
+            Self::Actuator(_) => None,
+            Self::Model(model, _) | Self::Body(model) => Some(model),
+        }
+    }
 }
 
 impl Analysis {
@@ -123,8 +136,8 @@ impl Analysis {
         notes.extend(warning.map(|warning| format!("warning: {warning}")));
         let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
         let said = |errors: Vec<CaseError>| errors.into_iter().map(say).collect::<Vec<InputError>>();
-        let analysis = Self::of_body(path, model, body, schedule).map_err(said)?;
-        Ok(Self { title, notes, description: analysis.description.with_files(files), ..analysis })
+        let analysis = Self::of_body(path, model.clone(), body, schedule).map_err(said)?;
+        Ok(Self { title, notes, description: Description::Model(Box::new(model), files), ..analysis })
     }
 
     /// A model on a body that is there.
@@ -146,14 +159,9 @@ impl Analysis {
             probes: model.probes.clone(),
             fields: model.output.fields,
             path: path.to_owned(),
-            description: Description::Model(Box::new(model), Files::default()),
+            description: Description::Body(Box::new(model)),
             notes: Vec::new(),
         })
-    }
-
-    /// What would be solved.
-    pub fn overview(&self) -> Overview {
-        Overview::of(self)
     }
 
     /// Size, and the memory that solving will need.
@@ -161,28 +169,24 @@ impl Analysis {
         let mesh = &self.problem.mesh;
         match &self.description {
             Description::Actuator(case) => Estimate::of_mesh(case, mesh.num_elements(), self.problem.num_unknowns()),
-            Description::Model(..) => Estimate::of_body(mesh),
+            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh),
         }
     }
 
-    /// A run of this analysis, to be given observers and so on before it is solved.
-    pub fn run(&self) -> Run<'_> {
-        Run::new(self)
-    }
-
-    /// Solves it from rest through all times.
-    ///
-    /// # Errors
-    /// [`Error::NotConverged`] with what was reached, or [`Error::Results`].
-    pub fn solve(&self) -> Result<Solution, Error> {
-        self.run().solve()
+    /// What to be careful about in results of this analysis.
+    pub fn warnings(&self, states: &[StepSummary]) -> Vec<Warning> {
+        let case = match &self.description {
+            Description::Actuator(case) => Some(&**case),
+            Description::Model(..) | Description::Body(_) => None,
+        };
+        warnings(self.problem.clock, case, states)
     }
 
     /// Everything that can be derived from an equilibrium of this analysis: the summary, stresses, what the contact carries.
     ///
     /// # Errors
     /// [`Error::Results`] for an equilibrium of another mesh, or one from which nothing can be derived.
-    pub fn describe(&self, equilibrium: &LandedState) -> Result<Described, Error> {
+    pub fn describe(&self, equilibrium: &ConvergedState) -> Result<Described, Error> {
         Ok(derived::describe(&self.problem, &probe_sites(&self.problem.mesh, &self.probes), equilibrium)?)
     }
 
@@ -195,7 +199,7 @@ impl Analysis {
     pub fn actuator(&self) -> Option<&Actuator> {
         match &self.description {
             Description::Actuator(case) => Some(&case.actuator),
-            Description::Model(model, _) => model.actuator.as_ref(),
+            Description::Model(model, _) | Description::Body(model) => model.actuator.as_ref(),
         }
     }
 
@@ -204,25 +208,32 @@ impl Analysis {
     /// # Errors
     /// Values that TOML cannot hold.
     pub fn resolved(&self) -> Result<String, toml::ser::Error> {
-        match &self.description {
-            Description::Actuator(case) => toml::to_string(&case.resolved()),
-            Description::Model(model, files) => {
-                let mut model = (**model).clone();
-                model.title.clone_from(&self.title);
-                if let Some(source) = &mut model.model {
-                    source.file = format!("{INPUT}/{}", files.name);
-                }
-                toml::to_string(&model)
-            }
+        let (model, file) = match &self.description {
+            Description::Actuator(case) => return toml::to_string(&case.resolved()),
+            Description::Model(model, files) => (model, &*files.name),
+            Description::Body(model) => (model, recorded_mesh::FILE),
+        };
+        let mut model = (**model).clone();
+        model.title.clone_from(&self.title);
+        if let Some(source) = &mut model.model {
+            source.file = format!("{INPUT}/{file}");
         }
+        toml::to_string(&model)
     }
-}
 
-impl Description {
-    fn with_files(self, files: Files) -> Self {
-        match self {
-            Self::Model(model, _) => Self::Model(model, files),
-            other => other,
+    /// The files of the body, as they are copied to a result folder; `None` for an actuator's case.
+    ///
+    /// # Errors
+    /// A mesh that cannot be written.
+    pub(crate) fn files(&self) -> Result<Option<Cow<'_, Files>>, InputError> {
+        match &self.description {
+            Description::Actuator(_) => Ok(None),
+            Description::Model(_, files) => Ok(Some(Cow::Borrowed(files))),
+            Description::Body(_) => {
+                let bytes = RecordedMesh::of(self.problem.formulation, &self.problem.mesh).written()?;
+                let name = recorded_mesh::FILE.to_owned();
+                Ok(Some(Cow::Owned(Files { name, bytes, included: Vec::new() })))
+            }
         }
     }
 }
@@ -232,7 +243,7 @@ fn overlap(problem: &Problem) -> Option<CaseError> {
     if problem.obstacles.is_empty() {
         return None;
     }
-    let at_rest = contact::evaluate(problem, &vec![0.0; problem.num_dofs()]).ok()?;
+    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
     let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
     let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);

@@ -1,27 +1,22 @@
 //! Bodies that are built in memory, from nodes and cells.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use pneuflex_deck::msh;
-use pneuflex_mesh::{ElementKind, Facet, Mesh};
+use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::model_file::{
-    CavityTable, ContactTable, ForceTable, Model, PressureTable, RegionTable, Series, Source, SupportTable, Times,
+    CavityTable, ContactTable, ForceTable, Model, PressureTable, RegionTable, Source, SupportTable, Times,
 };
-use pneuflex_model::{Formulation, Material, Probe, Problem};
-use serde::{Deserialize, Serialize};
+use pneuflex_model::{Formulation, Material, Probe, Problem, Series};
 
-use crate::analysis::{Analysis, Description};
+use crate::analysis::Analysis;
 use crate::error::Error;
-use crate::files::Files;
 use crate::input_error::InputError;
+use crate::recorded_mesh::{FILE, check, plain_mesh};
 use crate::store::Store;
 
 /// Absolute pressure of the atmosphere, kPa, where a cavity is filled with a gas.
 const ATMOSPHERE_KPA: f64 = 101.325;
-
-/// File that the mesh is recorded in.
-const FILE: &str = "body.json";
 
 /// A body of any shape with materials, supports and loads on named sets of its nodes, faces and elements.
 ///
@@ -82,7 +77,8 @@ impl Body {
     pub fn from_msh(name: &str, bytes: &[u8], scale: f64) -> Result<Self, Error> {
         let wrong = |errors: Vec<_>| errors.into_iter().map(InputError::from).collect::<Vec<_>>();
         let mesh = msh::read(name, bytes).map_err(wrong)?.mesh.map_nodes(|x| x.map(|t| scale * t));
-        Self::of_mesh(Formulation::of_kind(mesh.kind), mesh)
+        let unknown = || InputError::new(format!("{name}: {} cannot be solved", mesh.kind.words()));
+        Self::of_mesh(Formulation::of_kind(mesh.kind).ok_or_else(unknown)?, mesh)
     }
 
     /// The mesh.
@@ -214,90 +210,6 @@ impl Body {
         check(self.formulation, &self.mesh)?;
         let problem = Problem::body(self.mesh.clone(), self.formulation, Material::default());
         let analysis = Analysis::of_body(path, self.model.clone(), problem, None);
-        let analysis = analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?;
-        let bytes = RecordedMesh::of(self.formulation, &self.mesh).written()?;
-        let files = Files { name: FILE.into(), bytes, included: Vec::new() };
-        Ok(Analysis { description: Description::Model(Box::new(self.model.clone()), files), ..analysis })
-    }
-}
-
-fn plain_mesh(kind: ElementKind, nodes: Vec<[f64; 3]>, connectivity: Vec<u32>) -> Mesh {
-    let (node_sets, facet_sets, element_sets) = Default::default();
-    Mesh { kind, nodes, connectivity, node_sets, facet_sets, element_sets }
-}
-
-/// Checks that everything that a mesh names is there.
-fn check(formulation: Formulation, mesh: &Mesh) -> Result<(), InputError> {
-    let wrong = |what: String| Err(InputError::new(what));
-    if mesh.kind != formulation.element_kind() {
-        return wrong(format!("a mesh of {:?} elements cannot be solved as {formulation}", mesh.kind));
-    }
-    let (nodes, elements) = (mesh.num_nodes(), mesh.num_elements());
-    if elements == 0 || mesh.connectivity.len() != elements * mesh.kind.num_nodes() {
-        return wrong("the mesh has no cells, or its last one is incomplete".into());
-    }
-    if let Some(node) = mesh.nodes.iter().position(|x| !x.iter().all(|t| t.is_finite())) {
-        return wrong(format!("the position of node {node} is not finite"));
-    }
-    if let Some(at) = mesh.connectivity.iter().position(|&node| node as usize >= nodes) {
-        let (cell, node) = (at / mesh.kind.num_nodes(), mesh.connectivity[at]);
-        return wrong(format!("cell {cell} has node {node}, but there are {nodes} nodes"));
-    }
-    let missing =
-        |(name, count): (&String, usize)| wrong(format!("set {name} has members that are not there: {count}"));
-    let beyond = |numbers: &[u32], end: usize| numbers.iter().filter(|&&number| number as usize >= end).count();
-    let is_face =
-        |facet: &&Facet| (facet.element as usize) < elements && usize::from(facet.face) < mesh.kind.num_faces();
-    let of_nodes = mesh.node_sets.iter().map(|(name, set)| (name, beyond(set, nodes)));
-    let of_faces = mesh.facet_sets.iter().map(|(name, set)| (name, set.len() - set.iter().filter(is_face).count()));
-    let of_elements = mesh.element_sets.iter().map(|(name, set)| (name, beyond(set, elements)));
-    of_nodes.chain(of_faces).chain(of_elements).find(|(_, count)| *count > 0).map_or(Ok(()), missing)
-}
-
-/// A mesh as it is recorded in a result folder.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RecordedMesh {
-    formulation: Formulation,
-    nodes: Vec<[f64; 3]>,
-    connectivity: Vec<u32>,
-    node_sets: BTreeMap<String, Vec<u32>>,
-    /// Element and local number of every face.
-    face_sets: BTreeMap<String, Vec<(u32, u8)>>,
-    element_sets: BTreeMap<String, Vec<u32>>,
-}
-
-impl RecordedMesh {
-    fn of(formulation: Formulation, mesh: &Mesh) -> Self {
-        let faces = |set: &Vec<Facet>| set.iter().map(|facet| (facet.element, facet.face)).collect();
-        Self {
-            formulation,
-            nodes: mesh.nodes.clone(),
-            connectivity: mesh.connectivity.clone(),
-            node_sets: mesh.node_sets.clone(),
-            face_sets: mesh.facet_sets.iter().map(|(name, set)| (name.clone(), faces(set))).collect(),
-            element_sets: mesh.element_sets.clone(),
-        }
-    }
-
-    fn written(&self) -> Result<Vec<u8>, InputError> {
-        serde_json::to_vec(self).map_err(|error| InputError::new(format!("{FILE}: {error}")))
-    }
-
-    /// Reads a mesh from its bytes.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    pub(crate) fn read(bytes: &[u8]) -> Result<(Mesh, Formulation), String> {
-        let read: Self = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-        let faces = |set: Vec<(u32, u8)>| set.into_iter().map(|(element, face)| Facet { element, face }).collect();
-        let mesh = Mesh {
-            node_sets: read.node_sets,
-            facet_sets: read.face_sets.into_iter().map(|(name, set)| (name, faces(set))).collect(),
-            element_sets: read.element_sets,
-            ..plain_mesh(read.formulation.element_kind(), read.nodes, read.connectivity)
-        };
-        check(read.formulation, &mesh).map_err(|error| error.to_string())?;
-        Ok((mesh, read.formulation))
+        Ok(analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?)
     }
 }

@@ -6,9 +6,9 @@ use pneuflex_deck::msh;
 use pneuflex_model::model_file::Source;
 use pneuflex_model::{Formulation, Problem};
 
-use crate::body::RecordedMesh;
 use crate::files::{Files, INCLUDED, included_name};
 use crate::input_error::InputError;
+use crate::recorded_mesh::RecordedMesh;
 use crate::store::Store;
 
 /// A body that was read.
@@ -68,7 +68,9 @@ pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody
     }
     let (mesh, formulation, notes) = if has_extension(path, "msh") {
         let read = msh::read(&shown, &bytes).map_err(wrong)?;
-        let formulation = Formulation::of_kind(read.mesh.kind);
+        let kind = read.mesh.kind;
+        let unknown = || InputError::about_file(path, format!("{} cannot be solved", kind.words()));
+        let formulation = Formulation::of_kind(kind).ok_or_else(unknown)?;
         (read.mesh, formulation, read.notes.iter().map(ToString::to_string).collect())
     } else if has_extension(path, "json") {
         let (mesh, formulation) = RecordedMesh::read(&bytes).map_err(|why| InputError::about_file(path, why))?;

@@ -6,11 +6,11 @@ use pneuflex_post::summary::StepSummary;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::analysis::{Analysis, Description};
+use crate::analysis::Analysis;
 use crate::error::ResultsError;
 use crate::files::{Files, INPUT, included_name};
 use crate::folder::OutputFolder;
-use crate::input_error::InputError;
+use crate::input_error::{InputError, InputErrorKind};
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
@@ -74,15 +74,16 @@ impl OutputFolder {
 fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError> {
     let again = |what: String| {
         InputError::about_file(folder.path(), what)
-            .with_help(Some("run without --resume to start over; that replaces what is there".into()))
+            .of_kind(InputErrorKind::OtherResults)
+            .with_help(Some("start over; that replaces what is there".into()))
     };
     let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
     let unreadable = || again("case.toml cannot be read: it is damaged, or another version's".into());
     let old: toml::Table = std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
     let new: toml::Table = analysis.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
     let mut changes = changes(&old, &new);
-    if let Description::Model(_, files) = &analysis.description {
-        changes.extend(changed_files(folder, files));
+    if let Some(files) = analysis.files()? {
+        changes.extend(changed_files(folder, &files));
     }
     let reached = reached(folder);
     if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.times.iter().copied()) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_model::Problem;
-use pneuflex_newton::LandedState;
+use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{self, Described, ProbeSite, State};
 
 use crate::error::ResultsError;
@@ -15,7 +15,7 @@ use crate::error::ResultsError;
 pub fn describe(
     problem: &Problem,
     sites: &BTreeMap<String, ProbeSite>,
-    equilibrium: &LandedState,
+    equilibrium: &ConvergedState,
 ) -> Result<Described, ResultsError> {
     let state = as_described(equilibrium);
     summary::describe(problem, sites, &state).map_err(|source| failed(problem, equilibrium, source))
@@ -28,17 +28,17 @@ pub fn describe(
 pub fn field_files(
     problem: &Problem,
     described: &Described,
-    equilibrium: &LandedState,
+    equilibrium: &ConvergedState,
 ) -> Result<(String, Option<String>), ResultsError> {
     let files = described.field_files(problem, &as_described(equilibrium));
     files.map_err(|source| failed(problem, equilibrium, source))
 }
 
-fn failed(problem: &Problem, equilibrium: &LandedState, source: pneuflex_post::PostError) -> ResultsError {
+fn failed(problem: &Problem, equilibrium: &ConvergedState, source: pneuflex_post::PostError) -> ResultsError {
     ResultsError::Derived { at: problem.clock.words(equilibrium.time), source }
 }
 
-fn as_described(equilibrium: &LandedState) -> State<'_> {
+fn as_described(equilibrium: &ConvergedState) -> State<'_> {
     State {
         time: equilibrium.time,
         cavity_pressures: &equilibrium.cavity_pressures,

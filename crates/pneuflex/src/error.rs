@@ -8,7 +8,7 @@ use pneuflex_post::PostError;
 
 use crate::diagnosis::Reason;
 use crate::input_error::InputError;
-use crate::run::Solution;
+use crate::solution::Solution;
 
 /// What can go wrong between a file and its results.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +16,9 @@ pub enum Error {
     /// What was given cannot be used: everything that is wrong with it.
     #[error("{}", joined(.0))]
     Input(Vec<InputError>),
+    /// The equations cannot be set up: a cell without volume, a part that is not held, a cavity that is open.
+    #[error("{0}")]
+    Setup(Box<Unfinished>),
     /// The equilibrium path ended before the last requested time.
     #[error("{0}")]
     NotConverged(Box<Unfinished>),
@@ -51,6 +54,7 @@ impl Unfinished {
     pub(crate) fn into_error(self) -> Error {
         match self.failure.cause {
             Cause::Interrupted => Error::Interrupted(Box::new(self)),
+            Cause::Setup(_) => Error::Setup(Box::new(self)),
             _ => Error::NotConverged(Box::new(self)),
         }
     }

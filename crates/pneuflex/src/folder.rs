@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::error::ResultsError;
 use crate::files::{INCLUDED, INPUT};
-use crate::input_error::InputError;
+use crate::input_error::{InputError, InputErrorKind};
 
 /// Name of the report in a result folder.
 pub const REPORT: &str = "report.html";
@@ -48,7 +48,8 @@ impl OutputFolder {
             let mut entries = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.flatten();
             if entries.any(|entry| !is_leftover(&entry.file_name().to_string_lossy())) && !is_ours(path) {
                 return Err(InputError::about_file(path, "the folder holds files that are no results of pneuflex")
-                    .with_help(Some("choose another folder with --out; nothing was touched".into())));
+                    .of_kind(InputErrorKind::ForeignFolder)
+                    .with_help(Some("choose another folder; nothing was touched".into())));
             }
         }
         Self::to_add_to(path)
@@ -74,7 +75,8 @@ impl OutputFolder {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(InputError::about_file(path, "another run is writing to this folder")
-                    .with_help(Some("wait until it has ended, or choose another folder with --out".into())));
+                    .of_kind(InputErrorKind::BusyFolder)
+                    .with_help(Some("wait until it has ended, or choose another folder".into())));
             }
             // A file system without locks: nothing can be promised, but nothing is wrong either.
             Err(TryLockError::Error(_)) => {}
@@ -181,7 +183,9 @@ impl OutputFolder {
 }
 
 fn refused(path: &Path, why: impl Display) -> InputError {
-    InputError::about_file(path, why).with_help(Some("choose another folder with --out".into()))
+    InputError::about_file(path, why)
+        .of_kind(InputErrorKind::UnusableFolder)
+        .with_help(Some("choose another folder".into()))
 }
 
 /// Whether a file may be left of a run that was killed before it had written anything.

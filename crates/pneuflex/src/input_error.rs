@@ -16,12 +16,31 @@ const LINE_SHOWN: usize = 100;
 /// Bad input: what, where, and what to do about it. Displays as the message alone.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
+    kind: InputErrorKind,
     message: String,
     key: Option<String>,
     help: Option<String>,
     file: Option<PathBuf>,
     line: Option<usize>,
     place: Option<Box<Place>>,
+}
+
+/// Kinds of bad input about which a caller may have more to say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InputErrorKind {
+    /// Any other.
+    #[default]
+    Other,
+    /// The body needs more memory than there is; it may be tried with [`crate::MemoryLimit::None`].
+    TooLarge,
+    /// The output folder cannot be made or written to.
+    UnusableFolder,
+    /// The output folder holds files that are no results.
+    ForeignFolder,
+    /// Another run is writing to the output folder.
+    BusyFolder,
+    /// The output folder holds results that cannot be gone on with.
+    OtherResults,
 }
 
 /// What a place is in.
@@ -121,12 +140,23 @@ impl InputError {
     /// An error that belongs to no place in a file.
     pub fn new(message: impl Into<String>) -> Self {
         let message = shortened(message.into(), LONGEST_MESSAGE);
-        Self { message, key: None, help: None, file: None, line: None, place: None }
+        Self { kind: InputErrorKind::Other, message, key: None, help: None, file: None, line: None, place: None }
     }
 
     /// An error about a file as a whole.
     pub fn about_file(path: &Path, message: impl fmt::Display) -> Self {
         Self { file: Some(path.to_owned()), ..Self::new(format!("{}: {message}", path.display())) }
+    }
+
+    /// Sets the kind.
+    pub fn of_kind(mut self, kind: InputErrorKind) -> Self {
+        self.kind = kind;
+        self
+    }
+
+    /// The kind.
+    pub fn kind(&self) -> InputErrorKind {
+        self.kind
     }
 
     /// Adds the key that it is about.

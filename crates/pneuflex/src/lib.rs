@@ -130,9 +130,11 @@ pub mod json;
 pub mod memory;
 pub mod observer;
 pub mod overview;
+mod recorded_mesh;
 pub mod recorder;
 pub mod report_page;
 pub mod run;
+pub mod solution;
 mod store;
 pub mod study;
 pub mod template;
@@ -157,7 +159,8 @@ pub use input_error::InputError;
 pub use memory::{Estimate, MemoryLimit};
 pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
-pub use run::{Run, Solution};
+pub use run::Run;
+pub use solution::Solution;
 pub use study::Study;
 
 /// Sets the number of threads for the whole program, once, before anything is read or solved. [`Run::threads`] sets it for a single run.

@@ -5,7 +5,7 @@ use std::fs;
 use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
 use pneuflex_model::Case;
 
-use crate::input_error::InputError;
+use crate::input_error::{InputError, InputErrorKind};
 use crate::words::{count, size};
 
 /// Memory that meshing takes for every cell of the grid around the body, air and gaps included.
@@ -51,13 +51,9 @@ impl Estimate {
     pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize) -> Self {
         let cells = actuator.estimate_cells(size);
         let per_chamber = cells / actuator.chambers as f64;
-        let (inside, surface) = match kind {
-            ElementKind::Hex8 => (1.0, 5.8),
-            ElementKind::Hex20 => (4.0, 17.3),
-            ElementKind::Hex27 | ElementKind::Tet10 => (8.0, 23.0),
-        };
+        let [inside, surface] = kind.lattice.nodes_per_cell;
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
-        let elements = cells * kind.elements_per_cell() as f64;
+        let elements = cells * kind.lattice.elements as f64;
         let grid = GRID_BYTES * actuator.estimate_grid(size);
         Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
     }
@@ -95,9 +91,10 @@ impl Estimate {
         let can_be_numbered = self.unknowns < 3.0 * f64::from(u32::MAX);
         let may_try = limit == MemoryLimit::None && can_be_numbered;
         if !fits && !may_try {
-            let or_force = if can_be_numbered { ", or --force to try all the same" } else { "" };
-            let help = format!("choose a coarser mesh.resolution or a larger mesh.size{or_force}");
-            return Err(InputError::new(format!("this case will not fit in memory: {text}")).with_help(Some(help)));
+            let kind = if can_be_numbered { InputErrorKind::TooLarge } else { InputErrorKind::Other };
+            let help = "choose a coarser mesh.resolution or a larger mesh.size".to_owned();
+            let error = InputError::new(format!("this case will not fit in memory: {text}"));
+            return Err(error.of_kind(kind).with_help(Some(help)));
         }
         let is_large = !fits || available.is_some_and(|bytes| self.bytes > 0.5 * bytes) || self.elements >= 1e6;
         Ok(is_large.then(|| format!("this is a large case: {text}")))
@@ -167,7 +164,7 @@ mod tests {
     #[test]
     fn unknowns_are_estimated_within_a_tenth() {
         for actuator in [Actuator::two_chambers(), Actuator::full()] {
-            for element in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+            for element in Formulation::ALL {
                 for h in [1.0, 0.5] {
                     let mesh = MeshOptions::uniform(h, element);
                     let built = build_actuator(&actuator, &mesh.mesh_size(&actuator), element.element_kind()).unwrap();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, LandedState, PathReport};
+use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, PathReport};
 use pneuflex_post::summary::{Described, StepSummary};
 
 use crate::diagnosis::Reason;
@@ -42,7 +42,7 @@ pub struct ReachedState<'a> {
     /// What people look at, as `summary.json` has it.
     pub summary: &'a StepSummary,
     /// Displacements, reactions, pressures and multipliers.
-    pub equilibrium: &'a LandedState,
+    pub equilibrium: &'a ConvergedState,
     /// Stresses and what the contact carries.
     pub described: &'a Described,
     /// Seconds that deriving all this took.

@@ -38,13 +38,19 @@ pub struct OverviewRow {
     pub text: String,
 }
 
+impl Analysis {
+    /// What would be solved.
+    pub fn overview(&self) -> Overview {
+        Overview::of(self)
+    }
+}
+
 impl Overview {
-    /// The overview of an analysis.
-    pub fn of(analysis: &Analysis) -> Self {
+    fn of(analysis: &Analysis) -> Self {
         let mesh = &analysis.problem.mesh;
         let rows = match &analysis.description {
             Description::Actuator(case) => rows_of_actuator(case, &analysis.problem),
-            Description::Model(..) => rows_of_model(analysis),
+            Description::Model(..) | Description::Body(_) => rows_of_model(analysis),
         };
         Self {
             title: analysis.title.clone(),

@@ -11,10 +11,10 @@ use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
 use serde::Serialize;
 
-use crate::analysis::{Analysis, Description};
+use crate::analysis::Analysis;
 use crate::checkpoint_file::{self, Recorded};
 use crate::derived;
-use crate::diagnosis::{Reason, Warning, warnings};
+use crate::diagnosis::{Reason, Warning};
 use crate::error::{ResultsError, end_in_words};
 use crate::files::{Files, INCLUDED, INPUT, included_name};
 use crate::folder::{CASE_MARK, OutputFolder};
@@ -141,8 +141,9 @@ impl<'a> Recorder<'a> {
         let version = env!("CARGO_PKG_VERSION");
         let header = format!("{CASE_MARK} {version}: the case as it was solved, with every default\n\n");
         folder.write("case.toml", header + &resolved)?;
-        if let Description::Model(_, files) = &analysis.description {
-            store_input(&folder, files)?;
+        let files = analysis.files().map_err(|e| ResultsError::not_representable("input", e))?;
+        if let Some(files) = files {
+            store_input(&folder, &files)?;
         }
         let history = folder.append(HISTORY, recorded.history_bytes)?;
         let length = history.metadata().map_err(|e| folder.cannot_write(HISTORY, e))?.len();
@@ -258,7 +259,7 @@ impl<'a> Recorder<'a> {
             status: ending.map_or(Status::Running, |ending| ending.status),
             failure: ending.and_then(|ending| ending.failure.as_deref()),
             failure_reason: ending.and_then(|ending| ending.reason.as_ref()),
-            warnings: warnings(self.analysis, &self.steps),
+            warnings: self.analysis.warnings(&self.steps),
             mesh: self.mesh,
             probes: &self.probes,
             steps,

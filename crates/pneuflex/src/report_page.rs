@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::folder::{OutputFolder, REPORT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
-use crate::overview::{Overview, OverviewRow};
+use crate::overview::OverviewRow;
 use crate::study::Study;
 use crate::words::plural;
 
@@ -73,7 +73,7 @@ fn about(analysis: &Analysis) -> String {
     match (&analysis.description, analysis.actuator()) {
         (_, Some(actuator)) => plural(actuator.chambers, "chamber"),
         (Description::Model(_, files), None) => files.name.clone(),
-        (Description::Actuator(_), None) => String::new(),
+        (Description::Actuator(_) | Description::Body(_), None) => String::new(),
     }
 }
 
@@ -81,10 +81,10 @@ fn about(analysis: &Analysis) -> String {
 fn inputs(analysis: &Analysis) -> Vec<Group> {
     let model = match &analysis.description {
         Description::Actuator(case) => return groups(case),
-        Description::Model(model, _) => model,
+        Description::Model(model, _) | Description::Body(model) => model,
     };
     let row = |OverviewRow { kind, text }| Row { key: String::from(kind), meaning: "", value: text, unit: "" };
-    let understood = Overview::of(analysis).rows.into_iter().filter(|row| !SETS.contains(&row.kind));
+    let understood = analysis.overview().rows.into_iter().filter(|row| !SETS.contains(&row.kind));
     let mut groups = groups(model);
     groups.push(Group { heading: "Understood as".into(), rows: understood.map(row).collect() });
     groups

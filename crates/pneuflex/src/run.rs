@@ -6,33 +6,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use pneuflex_newton::{self as newton, Cause, Checkpoint, Failure, LandedState, Path, PathReport, Stability, Timing};
-use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
+use pneuflex_newton::{
+    self as newton, Cause, Checkpoint, ConvergedState, Failure, Path, PathReport, Stability, Timing,
+};
+use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::Analysis;
 use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
-use crate::diagnosis::{Warning, explain, warnings};
+use crate::diagnosis::explain;
 use crate::error::{Error, ResultsError, Unfinished};
 use crate::folder::OutputFolder;
 use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
 use crate::recorder::Recorder;
-
-/// What was found.
-#[derive(Clone, Debug, Default)]
-pub struct Solution {
-    /// What people look at, at every requested pressure or time, in their order.
-    pub states: Vec<StepSummary>,
-    /// Displacements, reactions and so on of the same states; without those of an earlier run that this one went on from, and none at all
-    /// after [`Run::without_fields`].
-    pub fields: Vec<LandedState>,
-    /// What to be careful about.
-    pub warnings: Vec<Warning>,
-    /// Newton iterations, those of rejected attempts included.
-    pub iterations: usize,
-    /// Seconds spent.
-    pub timing: Timing,
-}
+use crate::solution::Solution;
 
 /// Where results are recorded, and whether an earlier run is gone on with.
 enum Recording {
@@ -52,8 +39,23 @@ pub struct Run<'a> {
     keeps_fields: bool,
 }
 
+impl Analysis {
+    /// A run of this analysis, to be given observers and so on before it is solved.
+    pub fn run(&self) -> Run<'_> {
+        Run::new(self)
+    }
+
+    /// Solves it from rest through all times.
+    ///
+    /// # Errors
+    /// [`Error::Setup`], [`Error::NotConverged`] with what was reached, or [`Error::Results`].
+    pub fn solve(&self) -> Result<Solution, Error> {
+        self.run().solve()
+    }
+}
+
 impl<'a> Run<'a> {
-    pub(crate) fn new(analysis: &'a Analysis) -> Self {
+    fn new(analysis: &'a Analysis) -> Self {
         Self {
             analysis,
             observers: Vec::new(),
@@ -122,7 +124,7 @@ impl<'a> Run<'a> {
     /// Follows the equilibria from rest, or from where it was said, through the analysis's times.
     ///
     /// # Errors
-    /// [`Error::NotConverged`] and [`Error::Interrupted`] with what was reached; [`Error::Input`] for a folder that cannot be used;
+    /// [`Error::Setup`]; [`Error::NotConverged`] and [`Error::Interrupted`] with what was reached; [`Error::Input`] for a folder that cannot be used;
     /// [`Error::Results`] for results that could not be derived or recorded.
     pub fn solve(self) -> Result<Solution, Error> {
         let Some(threads) = self.threads else { return self.follow() };
@@ -136,7 +138,7 @@ impl<'a> Run<'a> {
         if let Some((folder, start)) = self.recording.take().map(|recording| recording.open(analysis)).transpose()? {
             let recorded = match start {
                 Start::Complete(states) => {
-                    let warnings = warnings(analysis, &states);
+                    let warnings = analysis.warnings(&states);
                     return Ok(Solution { states, warnings, ..Solution::default() });
                 }
                 Start::From(earlier) => {
@@ -156,8 +158,8 @@ impl<'a> Run<'a> {
         let is_left = |time: &f64| states.last().is_none_or(|last| *time > last.when()) && *time >= reached;
         let remaining: Vec<f64> = analysis.times.iter().copied().filter(is_left).collect();
         let last_equilibrium = match &self.from {
-            Some(checkpoint) => checkpoint.displacement.as_flattened().to_vec(),
-            None => vec![0.0; analysis.problem.num_dofs()],
+            Some(checkpoint) => checkpoint.displacement.clone(),
+            None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
         };
         let mut audience = Audience {
             analysis,
@@ -195,7 +197,7 @@ struct Audience<'a> {
     sites: BTreeMap<String, ProbeSite>,
     observers: Vec<Box<dyn Observer + 'a>>,
     /// Displacements of the last accepted load step, mm.
-    last_equilibrium: Vec<f64>,
+    last_equilibrium: Vec<[f64; 3]>,
     found: Solution,
     keeps_fields: bool,
     /// First thing that could not be derived or recorded; nobody is told anything after it.
@@ -209,25 +211,19 @@ impl Audience<'_> {
     /// Follows the path from rest or from a checkpoint.
     fn follow(&mut self, times: &[f64], from: Option<Checkpoint>) -> Result<PathReport, Box<(Failure, PathReport)>> {
         let Analysis { problem, solver, .. } = self.analysis;
-        let unable = |error: String| {
-            let failure = Failure {
-                reached: 0.0,
-                attempted: times.first().copied().unwrap_or(0.0),
-                cause: Cause::SingularTangent(error),
-                stability: Stability::default(),
-                clock: problem.clock,
-            };
+        let unable = |cause: Cause| {
+            let attempted = times.first().copied().unwrap_or(0.0);
+            let (stability, clock) = (Stability::default(), problem.clock);
+            let failure = Failure { reached: 0.0, attempted, cause, stability, clock };
             Box::new((failure, PathReport { iterations: 0, timing: Timing::default() }))
         };
-        let stop = self.stop.clone();
-        let mut observer = |event: newton::Event<'_>| self.hear(event);
-        let mut path = Path::new(problem, solver, &mut observer).map_err(|e| unable(e.to_string()))?;
-        path.stop_when(&stop);
+        let mut path = Path::new(problem, solver).map_err(|e| unable(e.into()))?;
+        path.stop_when(Arc::clone(&self.stop));
         if let Some(checkpoint) = from {
-            path.resume(checkpoint).map_err(|e| unable(e.to_string()))?;
+            path.resume(checkpoint).map_err(|e| unable(e.into()))?;
         }
         for &time in times {
-            if let Err(failure) = path.land_on(time) {
+            if let Err(failure) = path.advance_and_tell(time, &mut |event| self.hear(event)) {
                 return Err(Box::new((failure, PathReport { iterations: path.iterations(), timing: path.timing() })));
             }
         }
@@ -242,10 +238,10 @@ impl Audience<'_> {
             newton::Event::Iteration(record) => self.tell(&Event::Iteration(record)),
             newton::Event::StepRejected { step, time, cause } => self.tell(&Event::StepRejected { step, time, cause }),
             newton::Event::StepAccepted(checkpoint) => {
-                self.last_equilibrium.copy_from_slice(checkpoint.displacement.as_flattened());
+                self.last_equilibrium.clone_from(&checkpoint.displacement);
                 self.tell(&Event::StepAccepted(checkpoint))
             }
-            newton::Event::Landed(equilibrium) => self.state(equilibrium),
+            newton::Event::Converged(equilibrium) => self.state(equilibrium),
         };
         if let Err(error) = done {
             self.error = Some(error);
@@ -259,7 +255,7 @@ impl Audience<'_> {
         self.observers.iter_mut().try_for_each(|observer| observer.observe(event))
     }
 
-    fn state(&mut self, equilibrium: &LandedState) -> Result<(), ResultsError> {
+    fn state(&mut self, equilibrium: &ConvergedState) -> Result<(), ResultsError> {
         let began = Instant::now();
         let described = derived::describe(&self.analysis.problem, &self.sites, equilibrium)?;
         let seconds = began.elapsed().as_secs_f64();
@@ -288,7 +284,7 @@ impl Audience<'_> {
             }
         }
         let PathReport { iterations, timing } = report;
-        let warnings = warnings(self.analysis, &self.found.states);
+        let warnings = self.analysis.warnings(&self.found.states);
         let reached = Solution { warnings, iterations, timing, ..self.found };
         match (error, failure) {
             (Some(error), _) => Err(error.into()),

@@ -13,7 +13,7 @@ use crate::document::{CaseFile, Change, Written, is_model};
 use crate::error::Error;
 use crate::input_error::{InputError, Origin, Place};
 use crate::memory::{Estimate, MemoryLimit};
-use crate::run::Solution;
+use crate::solution::Solution;
 use crate::store::Store;
 
 /// A case file, a model file or a deck, read and checked as far as its text goes.
