@@ -130,12 +130,13 @@ pub fn evaluate_at(
         // The force is the negative gradient of the contact's energy.
         let gradient = evaluated.residual;
         let per_face = gradient.len() / 2;
-        let Partner::Face { pass, face: master_face } = block.partner else { continue };
-        let pass = model.pass(pass);
+        let Partner::Face { surface_pair, face: master_face } = block.partner else { continue };
+        let surface_pair = model.surface_pair(surface_pair);
         for (which, face) in [block.slave_face, master_face].into_iter().enumerate() {
-            let is_second = (which == 1) != pass.is_reversed && !problem.contact_pairs[pass.pair].is_self();
+            let is_second =
+                (which == 1) != surface_pair.is_reversed && !problem.contact_pairs[surface_pair.pair].is_self();
             let side = usize::from(is_second);
-            let force = &mut state.facet_force[pass.pair][side][face];
+            let force = &mut state.facet_force[surface_pair.pair][side][face];
             for g in gradient[which * per_face..(which + 1) * per_face].chunks(3) {
                 for d in 0..3 {
                     force[d] -= g[d];

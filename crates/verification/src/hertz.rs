@@ -22,7 +22,7 @@ be a poor measure: they touch or not); the peak pressure is the mean within 0.3 
 spaces are replaced by bodies ten contact radii deep, which are stiffer, of the order a/8 mm ≈ 10 % in the approach (not in a and p₀ at \
 given force), and the strain a/R ≈ 8 % is not infinitesimal. Bounds on the finest mesh: 5 % for a and p₀, 15 % for the approach, chosen \
 beforehand; coarser meshes show the trend. The pressures of single `tet10` \
-elements oscillate (ARCHITECTURE.md), and with them the peak pressure from mesh to mesh.";
+elements oscillate (measurements.md), and with them the peak pressure from mesh to mesh.";
 
 const RADIUS: f64 = 10.0;
 const SIDE: f64 = 8.0;

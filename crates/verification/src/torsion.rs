@@ -16,7 +16,7 @@ N = −2π ψ² ∫ r³ W′ dr, I₁ − 3 = ψ² r² (Rivlin 1949; Holzapfel 2
 volume unless they widen, which the held ends do not let the outermost ones do: the axial force converges from further away, and on \
 the coarsest mesh its error may have the other sign, so its sequence begins with the second mesh. \
 The axial force is an effect of second order, which the pressure carries to a good part: `tet10`, whose inf-sup constant falls like h \
-(ARCHITECTURE.md), reaches first order only, with errors of a quarter on meshes whose torque is right to 10⁻³.";
+(measurements.md), reaches first order only, with errors of a quarter on meshes whose torque is right to 10⁻³.";
 
 const RADIUS: f64 = 5.0;
 

@@ -1,6 +1,8 @@
 //! Every contribution: residual against the energy, tangent against the residual, in a deformed state.
 
-use pneuflex_assembly::{Assembler, Couplings, LocalContribution, Pressure, Request, Rim, Solid, Totals};
+use pneuflex_assembly::{
+    Assembler, BoundaryTerm, Couplings, FollowerPressure, LocalContribution, Request, Solid, Totals,
+};
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
@@ -99,7 +101,7 @@ fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
         let size = MeshSize::uniform(9.0);
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();
-        let mut pressure = Pressure::new(&mesh, mesh.facet_set("cavity"));
+        let mut pressure = FollowerPressure::new(mesh.clone(), mesh.facet_set("cavity"));
         pressure.pressure = 0.3;
         let symmetry = mesh.node_set("symmetry").to_vec();
         let mut u = deformation(&mesh, 0.5);
@@ -115,7 +117,7 @@ fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
 fn pressure_volume_is_the_cavity_and_follows_a_rigid_motion() {
     let size = MeshSize::uniform(2.0);
     let mesh = build_actuator(&Actuator::two_chambers(), &size, Formulation::Hex20.element_kind()).unwrap();
-    let pressure = Pressure::new(&mesh, mesh.facet_set("cavity"));
+    let pressure = FollowerPressure::new(mesh.clone(), mesh.facet_set("cavity"));
     let rest = vec![[0.0; 3]; mesh.num_nodes()];
     let air = 2.0 * 6.0 * 9.0 * 8.0 + 16.0 + 12.0;
     assert!((pressure.volume(&rest) - air).abs() < 1e-9);
@@ -162,7 +164,8 @@ fn pressure_on_an_open_surface() {
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let mesh = skewed(formulation);
         let facets = mesh.boundary_facets().into_iter().filter(|facet| facet.element < 3).take(3).collect::<Vec<_>>();
-        let (mut pressure, rim) = (Pressure::new(&mesh, &facets), Rim::new(&mesh, &facets));
+        let (mut pressure, rim) =
+            (FollowerPressure::new(mesh.clone(), &facets), BoundaryTerm::new(mesh.clone(), &facets));
         pressure.pressure = 0.3;
         let u = deformation(&mesh, 0.4);
         let (assembler, here) = totals(&pressure, &u, Request::Tangent);
@@ -198,7 +201,7 @@ fn pressure_on_an_open_surface() {
         // Without free ends there is nothing to add, nor around a closed surface.
         let all = mesh.boundary_facets();
         let mut closed = Couplings::default();
-        Rim::new(&mesh, &all).couple(0.3, &u, &mut closed);
+        BoundaryTerm::new(mesh.clone(), &all).couple(0.3, &u, &mut closed);
         assert!(closed.is_empty());
         rim.couple(0.3, &u, &mut closed);
         assert!(closed.condensed(&vec![true; 3 * u.len()]).is_empty());

@@ -1,6 +1,7 @@
 //! The user guide: its commands run, its outputs are those of the program, its links lead somewhere, and its reference of the case
 //! file is complete.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -177,6 +178,41 @@ fn stops() {
 #[test]
 fn resume() {
     works("resume.md");
+}
+
+#[test]
+fn rod() {
+    works("rod.md");
+}
+
+#[test]
+fn gallery() {
+    works("gallery.md");
+}
+
+#[test]
+fn faq() {
+    works("faq.md");
+}
+
+/// Who follows all chapters in one folder never meets a file of an earlier one: `pneuflex new` replaces none.
+#[test]
+fn no_two_chapters_make_the_same_file() {
+    let mut made: BTreeMap<String, String> = BTreeMap::new();
+    for name in chapter("SUMMARY.md").split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        for block in blocks(&chapter(name)) {
+            let new_cases = block.text.lines().filter_map(|line| line.strip_prefix("pneuflex new ")).map(|words| {
+                let mut words = words.split_whitespace();
+                let kind = words.next().unwrap_or_default().replace('-', "_");
+                words.next().map_or(format!("{kind}.toml"), str::to_owned)
+            });
+            for file in new_cases.chain(block.value("file").map(str::to_owned)) {
+                let before = made.insert(file.clone(), name.to_owned());
+                assert!(before.is_none(), "{file} is made in {name} and in {before:?}");
+            }
+        }
+    }
+    assert!(made.len() > 10, "{made:?}");
 }
 
 /// What a link to a heading ends with: its letters, digits, hyphens and underscores in small letters, joined by hyphens.

@@ -30,7 +30,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
     for kind in ElementKind::ALL {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (mesh, pairs, positions) = touching(kind);
-            let model = ContactModel::new(&mesh, &pairs, &Contact { method, ..Contact::default() });
+            let model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
             let here = total(&model, &positions);
             let largest = here.gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             let stiffest = here.hessian.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -66,7 +66,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
 fn the_two_sides_balance_in_force_and_moment() {
     for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
         let (mesh, pairs, positions) = touching(ElementKind::Hex8);
-        let model = ContactModel::new(&mesh, &pairs, &Contact { method, ..Contact::default() });
+        let model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
         let here = total(&model, &positions);
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for (x, f) in positions.iter().zip(here.gradient.chunks_exact(3)) {
@@ -83,7 +83,7 @@ fn the_two_sides_balance_in_force_and_moment() {
 #[test]
 fn near_pairs_cover_every_touching_pair() {
     let (mesh, pairs, positions) = touching(ElementKind::Hex20);
-    let model = ContactModel::new(&mesh, &pairs, &Contact::default());
+    let model = ContactModel::new(mesh.clone(), &pairs, &Contact::default());
     let near = model.near_face_pairs(&positions);
     let touching = model.search(&positions);
     assert!(!touching.is_empty());
@@ -97,8 +97,8 @@ fn the_search_finds_the_same_points_as_brute_force() {
     use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project};
     for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10] {
         let (mesh, pairs, positions) = touching(kind);
-        let model = ContactModel::new(&mesh, &pairs, &Contact::default());
-        let (slave, master) = (&model.pass(0).slave, &model.pass(0).master);
+        let model = ContactModel::new(mesh.clone(), &pairs, &Contact::default());
+        let (slave, master) = (&model.surface_pair(0).slave, &model.surface_pair(0).master);
         let n = slave.kind.num_nodes();
         let mut expected = Vec::new();
         for face in 0..slave.num_faces() {

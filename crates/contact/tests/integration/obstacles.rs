@@ -44,8 +44,8 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
     for kind in KINDS {
         for (shape, with_multipliers) in shapes().into_iter().flat_map(|s| [(s.clone(), false), (s, true)]) {
             let (mesh, positions) = block(kind);
-            let mut model = ContactModel::new(&mesh, &[], &Contact::default())
-                .with_obstacles(&mesh, &[obstacle(&mesh, shape.clone())]);
+            let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default())
+                .with_obstacles(&[obstacle(&mesh, shape.clone())]);
             if with_multipliers {
                 model.set_multipliers(multipliers(&model));
                 let open = model.search(&positions).iter().flat_map(|b| &b.points).filter(|p| p.distance > 0.0).count();
@@ -83,7 +83,7 @@ fn a_plane_that_is_moved_presses_with_k_delta() {
         let shape = Shape::Plane { point: [0.0, 0.0, -0.5], normal: [0.0, 0.0, 2.0] };
         let motion = Motion { displacement: [0.0, 0.0, 1.0], curve: Curve::Proportional(0.1) };
         let plane = Obstacle { motion: Some(motion), ..obstacle(&mesh, shape) };
-        let mut model = ContactModel::new(&mesh, &[], &Contact::default()).with_obstacles(&mesh, &[plane]);
+        let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[plane]);
         assert!(model.search(&mesh.nodes).is_empty());
         model.set_time(4.9);
         assert!(model.search(&mesh.nodes).is_empty());
@@ -106,7 +106,7 @@ fn every_point_in_an_obstacle_is_found() {
     let rule = kind.face_kind(0).contact_rule();
     for shape in shapes() {
         let model =
-            ContactModel::new(&mesh, &[], &Contact::default()).with_obstacles(&mesh, &[obstacle(&mesh, shape.clone())]);
+            ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[obstacle(&mesh, shape.clone())]);
         let surface = model.slave(Partner::Obstacle(0));
         let mut expected = Vec::new();
         for face in 0..surface.num_faces() {

@@ -15,7 +15,7 @@ fn self_pair(mesh: &Mesh) -> ContactPair {
 }
 
 fn model(mesh: &Mesh, pair: ContactPair) -> ContactModel {
-    ContactModel::new(mesh, &[pair], &Contact::default())
+    ContactModel::new(mesh.clone(), &[pair], &Contact::default())
 }
 
 fn moved(mesh: &Mesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {

@@ -1,6 +1,6 @@
 //! What must hold whatever the numbers are.
 
-use pneuflex_assembly::{Pressure, Request, Totals};
+use pneuflex_assembly::{FollowerPressure, Request, Totals};
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::quadrature::gauss_legendre;
 use pneuflex_mesh::{Actuator, Part};
@@ -64,7 +64,7 @@ fn energy_and_work(problem: &Problem, pressure_kpa: f64, panels: usize) -> (f64,
     points.push((pressure_kpa, 0.0));
     let pressures: Vec<f64> = points.iter().map(|point| point.0).collect();
     let states = follow(problem, &pressures, &strict());
-    let air = Pressure::new(&problem.mesh, &problem.cavity_facets());
+    let air = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     let volumes: Vec<f64> = states.iter().map(|state| air.volume(&state.displacement)).collect();
     let integral: f64 = points.iter().zip(&volumes).map(|((_, weight), volume)| weight * volume).sum();
     let last = states.len() - 1;

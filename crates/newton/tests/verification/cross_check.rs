@@ -4,7 +4,7 @@
 //! problem's data is shared.
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_assembly::{Assembler, Contact, LocalBlock, LocalContribution, Pressure, Request, Solid, Totals};
+use pneuflex_assembly::{Assembler, Contact, FollowerPressure, LocalBlock, LocalContribution, Request, Solid, Totals};
 use pneuflex_contact::ContactModel;
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
@@ -150,7 +150,7 @@ fn free_part(matrix: &DMatrix<f64>, problem: &Problem) -> DMatrix<f64> {
 fn pressure() {
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let problem = coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None);
-        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+        let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
         pressure.pressure = 0.3;
         let u = leaning(&problem);
         let reference = AirModel::new(&problem, RIM_AT_Y_0).unwrap();
@@ -225,7 +225,7 @@ fn global_residual_and_tangent() {
         let (u, p_kpa) = (leaning(&problem), 35.0);
         let p = p_kpa * MPA_PER_KPA;
         let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
-        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+        let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
         pressure.pressure = p;
         let model = ContactModel::of(&problem);
         let contact = Contact::search(&model, deformed(&problem.mesh, &u));

@@ -1,6 +1,6 @@
 //! Loads as functions of time: homogeneous states whose stretches and forces are known.
 
-use pneuflex_assembly::dead::traction_forces;
+use pneuflex_assembly::conservative_load::traction_forces;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::load::Load;

@@ -6,7 +6,7 @@
 use insta::Settings;
 use insta::Snapshot;
 use insta::comparator::Comparator;
-use pneuflex_assembly::Pressure;
+use pneuflex_assembly::FollowerPressure;
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::Actuator;
 use pneuflex_model::{Case, ContactMethod, Formulation, Invariant, Problem};
@@ -99,7 +99,7 @@ impl State<'_> {
 
 fn production_json(problem: &Problem, states: &[ConvergedState]) -> Value {
     let mut system = System::new(problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+    let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     let described = states.iter().map(|state| {
         let u = &state.displacement;
         State {
@@ -204,7 +204,7 @@ fn check_stored(name: &str, text: &str, touches: bool) {
     let held = problem.held_dofs();
     let found = follow(&problem, &run.case.load.pressure_kpa, &strict());
     let mut system = System::new(&problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+    let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     assert_eq!(found.len(), run.states.len());
     for (found, stored) in found.iter().zip(&run.states) {
         let kpa = stored.pressure_kpa;

@@ -1,8 +1,10 @@
 //! The part of a pressure's tangent that is not symmetric.
 //!
 //! The derivative of ∫ w·p n dS on a deformed surface is symmetric but for a term along its rim: with tangents r_ξ, r_η and integration by
-//! parts, its skew part is ½ p ∮ w·(δu × dr), around the outward normal (Schweizerhof & Ramm 1984, *Computers & Structures* 18, 1099). [`crate::Pressure`] adds
+//! parts, its skew part is ½ p ∮ w·(δu × dr), around the outward normal (Schweizerhof & Ramm 1984, *Computers & Structures* 18, 1099). [`crate::FollowerPressure`] adds
 //! the symmetric part; here is the rest. It vanishes for closed surfaces, and on rims whose nodes are held in the plane they lie in.
+
+use std::sync::Arc;
 
 use pneuflex_mesh::quadrature::gauss_legendre;
 use pneuflex_mesh::{Facet, Mesh};
@@ -10,10 +12,10 @@ use pneuflex_mesh::{Facet, Mesh};
 /// What is small enough to be rounding, relative to the largest coupling.
 const ROUNDING: f64 = 1e-9;
 
-/// Rim of a surface.
+/// BoundaryTerm of a surface.
 #[derive(Clone, Debug)]
-pub struct Rim {
-    positions: Vec<[f64; 3]>,
+pub struct BoundaryTerm {
+    mesh: Arc<Mesh>,
     edges: Vec<Vec<u32>>,
 }
 
@@ -23,10 +25,11 @@ pub struct Couplings {
     entries: Vec<(u32, u32, [f64; 3])>,
 }
 
-impl Rim {
+impl BoundaryTerm {
     /// The rim of some of a mesh's facets.
-    pub fn new(mesh: &Mesh, facets: &[Facet]) -> Self {
-        Self { positions: mesh.nodes.clone(), edges: mesh.rim(facets) }
+    pub fn new(mesh: impl Into<Arc<Mesh>>, facets: &[Facet]) -> Self {
+        let mesh = mesh.into();
+        Self { edges: mesh.rim(facets), mesh }
     }
 
     /// Adds the couplings under a pressure (MPa) at a displacement (mm).
@@ -35,7 +38,7 @@ impl Rim {
         let rule = gauss_legendre(3);
         for edge in &self.edges {
             let at = |node: u32| -> [f64; 3] {
-                std::array::from_fn(|k| self.positions[node as usize][k] + displacement[node as usize][k])
+                std::array::from_fn(|k| self.mesh.nodes[node as usize][k] + displacement[node as usize][k])
             };
             for &(xi, weight) in &rule {
                 let (values, slopes) = evaluate(edge.len(), xi);

@@ -3,8 +3,8 @@
 use pneuflex_mesh::{Facet, Mesh, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
 
-use crate::own_body::share_nodes;
 use crate::projection::{dot, face_geometry, sub, unit_normal};
+use crate::self_contact::share_nodes;
 use crate::surface::Surface;
 
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest, and at least this share of a
@@ -14,10 +14,10 @@ const NEAR_FACE_SHARE: f64 = 0.03;
 
 /// The points of a slave surface against a master surface. A pair has one of them, or two if each surface is the slave in turn.
 #[derive(Clone, Debug)]
-pub struct Pass {
+pub struct SurfacePair {
     /// Number of the pair among the problem's.
     pub pair: usize,
-    /// Whether the slave of this pass is the pair's master.
+    /// Whether the slave of this surface pair is the pair's master.
     pub is_reversed: bool,
     /// Where contact is looked for.
     pub method: ContactMethod,
@@ -32,18 +32,18 @@ pub struct Pass {
     /// Reference area that every point of every slave face stands for, mm²: half of it where both surfaces are slaves.
     pub(crate) areas: Vec<f64>,
     pub(crate) rule: Vec<([f64; 2], f64)>,
-    /// The surfaces belong together, see [`crate::own_body`].
-    pub(crate) is_own_body: bool,
+    /// The surfaces belong together, see [`crate::self_contact`].
+    pub(crate) is_self_contact: bool,
     /// Smallest distance at rest from the slave's first corner, mm; 0 of a surface from itself.
     pub rest_distance: f64,
-    /// Points deeper than this behind a face are not found, mm; see [`Pass::all_of`].
+    /// Points deeper than this behind a face are not found, mm; see [`SurfacePair::all_of`].
     pub reach: f64,
     /// How near faces must be for the tangent's pattern to have room for them, mm.
     pub(crate) near: f64,
 }
 
-impl Pass {
-    /// The passes of pair number `number`; none where contact is switched off.
+impl SurfacePair {
+    /// The surface pairs of pair number `number`; none where contact is switched off.
     ///
     /// Reach: at least a face's size, so that surfaces that touch at rest are followed as deep as the mesh can tell; the distance
     /// at rest where that is larger, which is as far as a wall gets in a first guess without any contact; never more than half the
@@ -61,8 +61,8 @@ impl Pass {
             };
             let (slave, master) = (Surface::new(mesh, slave), Surface::new(mesh, master));
             let areas = point_areas(&slave, &rule, &mesh.nodes, if is_shared { 0.5 } else { 1.0 });
-            let is_own_body = method == ContactMethod::MultiPoint && share_nodes(&slave, &master);
-            let rest_distance = if is_own_body { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
+            let is_self_contact = method == ContactMethod::MultiPoint && share_nodes(&slave, &master);
+            let rest_distance = if is_self_contact { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
             let (face_size, extent) = sizes(&master, &mesh.nodes);
             let reach = rest_distance.min(0.5 * extent).max(face_size);
             let near = (NEAR_SHARE * rest_distance).max(NEAR_FACE_SHARE * face_size).min(reach);
@@ -76,7 +76,7 @@ impl Pass {
                 first_point,
                 areas,
                 rule,
-                is_own_body,
+                is_self_contact,
                 rest_distance,
                 reach,
                 near,

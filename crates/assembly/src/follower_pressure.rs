@@ -9,34 +9,37 @@
 //! `V = −∮ y n_y dS`: a rim in the symmetry plane y = 0, or in planes x = const and z = const, adds nothing to it or to its derivatives. (The form ⅓∮ r·n dS
 //! has the right derivative along the plane, but adds forces normal to it along the rim.)
 
+use std::sync::Arc;
+
 use pneuflex_mesh::{Facet, Mesh, shape, shape::FaceShape};
 
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// Faces under air pressure.
 #[derive(Clone, Debug)]
-pub struct Pressure {
+pub struct FollowerPressure {
     /// Pressure, MPa.
     pub pressure: f64,
     /// Coordinate y of the plane that the volume is measured from, mm: that of a plane of symmetry y = const that cuts the cavity.
     pub plane_y: f64,
-    nodes: Vec<[f64; 3]>,
+    mesh: Arc<Mesh>,
     faces: Vec<u32>,
     nodes_per_face: usize,
     rule: Vec<(FaceShape, f64)>,
 }
 
-impl Pressure {
+impl FollowerPressure {
     /// The given facets of a mesh, at zero pressure.
-    pub fn new(mesh: &Mesh, facets: &[Facet]) -> Self {
+    pub fn new(mesh: impl Into<Arc<Mesh>>, facets: &[Facet]) -> Self {
+        let mesh = mesh.into();
         let kind = mesh.surface_kind(facets);
         Self {
             pressure: 0.0,
             plane_y: 0.0,
-            nodes: mesh.nodes.clone(),
             faces: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
             nodes_per_face: kind.num_nodes(),
             rule: (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect(),
+            mesh,
         }
     }
 
@@ -60,7 +63,7 @@ impl Pressure {
         let (mut position, mut tangents) = ([0.0; 3], [[0.0; 3]; 2]);
         for (a, &node) in self.nodes(face).iter().enumerate() {
             for k in 0..3 {
-                let x = self.nodes[node as usize][k] + displacement[node as usize][k];
+                let x = self.mesh.nodes[node as usize][k] + displacement[node as usize][k];
                 position[k] += shape.values[a] * x;
                 tangents[0][k] += shape.gradients[a][0] * x;
                 tangents[1][k] += shape.gradients[a][1] * x;
@@ -70,7 +73,7 @@ impl Pressure {
     }
 }
 
-impl LocalContribution for Pressure {
+impl LocalContribution for FollowerPressure {
     fn num_blocks(&self) -> usize {
         self.faces.len() / self.nodes_per_face
     }
