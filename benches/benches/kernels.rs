@@ -2,12 +2,12 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use pneuflex::model::Formulation;
+use pneuflex::newton::System;
 use pneuflex_assembly::Request;
 use pneuflex_benches::{full_actuator, smooth_displacement, touching_positions};
 use pneuflex_contact::ContactModel;
 use pneuflex_factor::Parallelism;
-use pneuflex_model::Formulation;
-use pneuflex_newton::System;
 
 const CASES: [(Formulation, f64); 4] =
     [(Formulation::Hex8Sri, 1.0), (Formulation::Hex8Q1p0, 1.0), (Formulation::Hex20, 2.0), (Formulation::Hex27, 2.0)];

@@ -4,9 +4,10 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pneuflex_model::Clock;
-use pneuflex_newton::{Cause, IterationRecord};
-use pneuflex_post::summary::{ObstacleSummary, StepSummary};
+use pneuflex::Event;
+use pneuflex::model::Clock;
+use pneuflex::newton::{Cause, IterationRecord};
+use pneuflex::post::summary::{ObstacleSummary, StepSummary};
 
 use crate::error::say;
 
@@ -60,8 +61,19 @@ impl Progress {
         }
     }
 
+    /// Tells what a run tells.
+    pub fn event(&mut self, event: &Event<'_>) {
+        match event {
+            Event::StepStarted { step, time } => self.step_started(*step, *time),
+            Event::Iteration(record) => self.iteration(record),
+            Event::StepRejected { cause, .. } => self.rejected(cause),
+            Event::StepAccepted(_) => {}
+            Event::State(state) => self.state(state.summary),
+        }
+    }
+
     /// A load step begins.
-    pub fn step_started(&mut self, step: usize, time: f64) {
+    fn step_started(&mut self, step: usize, time: f64) {
         // A new step after one that was not rejected: that one was accepted.
         if !self.is_rejected {
             self.last = self.aim;
@@ -78,7 +90,7 @@ impl Progress {
     }
 
     /// An iteration is done; "again" is one more correction with the factor of the same iteration.
-    pub fn iteration(&self, record: &IterationRecord) {
+    fn iteration(&self, record: &IterationRecord) {
         let again = if record.new_tangent { "" } else { " again" };
         let text = format!(
             "iteration {}{again}: correction {:.2e}, residual {:.2e} N, {} contact points",
@@ -94,15 +106,15 @@ impl Progress {
     }
 
     /// A load step failed and is repeated with a smaller one.
-    pub fn rejected(&mut self, cause: &Cause) {
+    fn rejected(&mut self, cause: &Cause) {
         self.is_rejected = true;
         self.line(&format!("  step rejected: {cause}"));
     }
 
     /// A requested pressure is reached.
-    pub fn landed(&mut self, summary: &StepSummary) {
-        let StepSummary { time, pressure_kpa, iterations, contact, .. } = summary;
-        self.last = time.unwrap_or(*pressure_kpa);
+    fn state(&mut self, summary: &StepSummary) {
+        let StepSummary { iterations, contact, .. } = summary;
+        self.last = summary.when();
         let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
         let at = self.clock.words(self.last);
         let angle =

@@ -39,6 +39,7 @@ pub use options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Reso
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
+pub use series::Series;
 
 /// MPa per kPa.
 pub const MPA_PER_KPA: f64 = 1e-3;

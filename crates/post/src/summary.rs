@@ -82,6 +82,13 @@ pub struct StepSummary {
     pub warning: Option<String>,
 }
 
+impl StepSummary {
+    /// The time of a model with a schedule, the pressure in kPa of an actuator.
+    pub fn when(&self) -> f64 {
+        self.time.unwrap_or(self.pressure_kpa)
+    }
+}
+
 /// A cavity at one landed time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CavitySummary {

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pneuflex_model::{Case, Problem};
-use pneuflex_post::stress::{self, StressField};
-use pneuflex_post::vtu::Grid;
+use pneuflex::model::{Case, Problem};
+use pneuflex::post::stress::{self, StressField};
+use pneuflex::post::vtu::Grid;
 use serde::Deserialize;
 
 use super::plan::{Method, Run};

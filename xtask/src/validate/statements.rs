@@ -1,6 +1,6 @@
 //! The statements that are checked by numbers.
 
-use pneuflex_mesh::Actuator;
+use pneuflex::mesh::Actuator;
 
 use super::Outcome;
 use super::places::{Peaks, highest};

@@ -4,12 +4,16 @@ use std::fmt::Display;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
-use crate::error::InputError;
-use crate::study::{INCLUDED, INPUT};
-use crate::view::REPORT;
+use crate::error::ResultsError;
+use crate::files::{INCLUDED, INPUT};
+use crate::input_error::{InputError, InputErrorKind};
+
+/// Name of the report in a result folder.
+pub const REPORT: &str = "report.html";
 
 /// First words of a resolved case file, by which an output folder is recognised.
 pub const CASE_MARK: &str = "# pneuflex";
@@ -25,11 +29,11 @@ const TRIAL: &str = ".pneuflex-trial";
 /// ends, however it ends.
 const LOCK: &str = ".pneuflex.lock";
 
-/// A folder that is ready to be written to, and by nobody else.
-#[derive(Debug)]
+/// A folder that is ready to be written to, and by nobody else until the last copy of this value is dropped.
+#[derive(Clone, Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    _lock: File,
+    _lock: Arc<File>,
 }
 
 impl OutputFolder {
@@ -43,8 +47,9 @@ impl OutputFolder {
         if path.is_dir() {
             let mut entries = fs::read_dir(path).map_err(|e| problem("cannot be read", e))?.flatten();
             if entries.any(|entry| !is_leftover(&entry.file_name().to_string_lossy())) && !is_ours(path) {
-                return Err(InputError::file(path, "the folder holds files that are no results of pneuflex")
-                    .help(Some("choose another folder with --out; nothing was touched".into())));
+                return Err(InputError::about_file(path, "the folder holds files that are no results of pneuflex")
+                    .of_kind(InputErrorKind::ForeignFolder)
+                    .with_help(Some("choose another folder; nothing was touched".into())));
             }
         }
         Self::to_add_to(path)
@@ -69,13 +74,14 @@ impl OutputFolder {
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(InputError::file(path, "another run is writing to this folder")
-                    .help(Some("wait until it has ended, or choose another folder with --out".into())));
+                return Err(InputError::about_file(path, "another run is writing to this folder")
+                    .of_kind(InputErrorKind::BusyFolder)
+                    .with_help(Some("wait until it has ended, or choose another folder".into())));
             }
             // A file system without locks: nothing can be promised, but nothing is wrong either.
             Err(TryLockError::Error(_)) => {}
         }
-        Ok(Self { path: path.to_owned(), _lock: lock })
+        Ok(Self { path: path.to_owned(), _lock: Arc::new(lock) })
     }
 
     /// Removes the results of an earlier run.
@@ -121,7 +127,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// Whatever the file system says, with the file's name.
-    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), String> {
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), ResultsError> {
         let target = self.path.join(name);
         let temporary = target.with_extension("part");
         let write = || -> io::Result<()> {
@@ -136,7 +142,7 @@ impl OutputFolder {
         };
         write().map_err(|error| {
             let _ = fs::remove_file(&temporary);
-            self.cannot_write(name, &error)
+            self.cannot_write(name, error)
         })
     }
 
@@ -154,7 +160,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// Whatever the file system says, with the file's name.
-    pub fn append(&self, name: &str, keep: u64) -> Result<File, String> {
+    pub fn append(&self, name: &str, keep: u64) -> Result<File, ResultsError> {
         let open = || -> io::Result<File> {
             let file = OpenOptions::new().create(true).truncate(false).write(true).open(self.path.join(name))?;
             let kept = file.metadata()?.len().min(keep);
@@ -162,26 +168,24 @@ impl OutputFolder {
             drop(file);
             OpenOptions::new().append(true).open(self.path.join(name))
         };
-        open().map_err(|e| self.cannot_write(name, &e))
+        open().map_err(|e| self.cannot_write(name, e))
     }
 
-    /// What to say of a file that cannot be written.
-    pub fn cannot_write(&self, name: &str, error: &io::Error) -> String {
+    /// The error of a file that cannot be written.
+    pub fn cannot_write(&self, name: &str, error: io::Error) -> ResultsError {
         let file = self.path.join(name);
         match error.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                format!("{}: cannot be written: the disk is full", file.display())
-            }
-            io::ErrorKind::NotFound if !self.path.is_dir() => {
-                format!("{}: the output folder has gone away during the run", self.path.display())
-            }
-            _ => format!("{}: cannot be written: {error}", file.display()),
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => ResultsError::DiskFull { file },
+            io::ErrorKind::NotFound if !self.path.is_dir() => ResultsError::FolderGone { folder: self.path.clone() },
+            _ => ResultsError::NotWritable { file, source: error },
         }
     }
 }
 
 fn refused(path: &Path, why: impl Display) -> InputError {
-    InputError::file(path, why).help(Some("choose another folder with --out".into()))
+    InputError::about_file(path, why)
+        .of_kind(InputErrorKind::UnusableFolder)
+        .with_help(Some("choose another folder".into()))
 }
 
 /// Whether a file may be left of a run that was killed before it had written anything.
@@ -235,9 +239,9 @@ mod tests {
         assert_eq!(fs::read_to_string(path.join("lines")).unwrap(), "one\nthree\n");
 
         fs::remove_dir_all(&path).unwrap();
-        let gone = folder.write("summary.json", "new").unwrap_err();
+        let gone = folder.write("summary.json", "new").unwrap_err().to_string();
         assert!(gone.contains("has gone away") && !path.exists(), "{gone}");
-        assert!(folder.write("fields/step_01.vtu", "new").unwrap_err().contains("has gone away"));
+        assert!(folder.write("fields/step_01.vtu", "new").unwrap_err().to_string().contains("has gone away"));
     }
 
     #[test]

@@ -18,7 +18,8 @@ use pneuflex_mesh::Actuator;
 use pneuflex_model::{Case, ContactMethod, Problem, Solver, Support};
 use pneuflex_newton::{ConvergedState, Path};
 use pneuflex_post::penetration;
-use pneuflex_rod::identify::{ContactSample, FreeSample, Samples, StiffnessSample, TouchSample};
+
+use crate::identify::{ContactSample, FreeSample, Samples, StiffnessSample, TouchSample};
 
 /// Highest pressure of the identification, kPa (theory §8: the paper's rod knows no contact).
 pub const HIGHEST_KPA: f64 = 15.0;

@@ -4,10 +4,9 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
 use super::*;
-use crate::args::CaseKind;
-use crate::check;
-use crate::memory::Estimate;
-use crate::study::Study;
+use crate::analysis::Analysis;
+use crate::memory::{Estimate, MemoryLimit};
+use crate::template::{full_actuator, two_chambers};
 use pneuflex_model::Problem;
 
 /// Elements up to which an accepted case is meshed.
@@ -21,7 +20,7 @@ enum Fate {
     Described,
 }
 
-fn fate(text: &str, changes: &[String]) -> Fate {
+fn fate(text: &str, changes: &[Change]) -> Fate {
     let file = match CaseFile::from_text(Path::new("case.toml"), text.to_owned(), changes) {
         Ok(file) => file,
         Err(errors) => {
@@ -38,7 +37,7 @@ fn fate(text: &str, changes: &[String]) -> Fate {
     let resolved = file.case.resolved();
     resolved.validate().unwrap();
     let estimate = Estimate::of(&file.case);
-    if estimate.guard(false).is_err() {
+    if estimate.within(MemoryLimit::Available).is_err() {
         return Fate::Refused;
     }
     if estimate.elements > FEW {
@@ -53,14 +52,14 @@ fn fate(text: &str, changes: &[String]) -> Fate {
     };
     let found = problem.mesh.num_elements() as f64;
     assert!(found <= 20.0 * estimate.elements + 10.0, "{found} elements instead of {}", estimate.elements);
-    let description = check::describe(&Study::of_actuator(Path::new("fuzz.toml"), file.case, problem));
+    let description = Analysis::of_case(Path::new("fuzz.toml"), file.case, problem).overview().to_string();
     assert!(description.contains("load") && !description.contains("NaN"), "{description}");
     Fate::Described
 }
 
 /// The template with values for all keys, on a coarse mesh.
-fn template(kind: CaseKind) -> String {
-    let text = crate::new::text(kind).replace("resolution = \"standard\"", "size = 3.0");
+fn template(text: &str) -> String {
+    let text = text.replace("resolution = \"standard\"", "size = 3.0");
     // Keys that stand there as remarks.
     text.lines()
         .map(|line| match line.strip_prefix("# ") {
@@ -236,14 +235,14 @@ fn config(cases: u32) -> ProptestConfig {
 
 #[test]
 fn the_template_with_all_keys_is_described() {
-    for kind in [CaseKind::TwoChamber, CaseKind::Actuator] {
-        assert_eq!(fate(&template(kind), &[]), Fate::Described, "{}", template(kind));
+    for text in [two_chambers(), full_actuator()] {
+        assert_eq!(fate(&template(&text), &[]), Fate::Described, "{}", template(&text));
     }
 }
 
 #[test]
 fn changed_templates_are_refused_or_described() {
-    let text = template(CaseKind::TwoChamber);
+    let text = template(&two_chambers());
     let fates = std::cell::RefCell::new([0; 3]);
     let changes = proptest::collection::vec(edits(), 1..5);
     proptest::test_runner::TestRunner::new(config(1500))
@@ -277,14 +276,17 @@ proptest! {
     }
 
     #[test]
-    fn any_change_on_the_command_line(
+    fn any_change(
         sets in proptest::collection::vec(
-            prop_oneof![(keys(), values()).prop_map(|(k, v)| format!("{k}={v}")), ".{0,20}", ("(actuator|mesh|solver|load)", keys(), values())
-                .prop_map(|(t, k, v)| format!("{t}.{k}={v}"))],
+            prop_oneof![
+                (keys(), values()).prop_map(|(k, v)| Change::new(k, v)),
+                (".{0,10}", ".{0,10}").prop_map(|(k, v)| Change::new(k, v)),
+                ("(actuator|mesh|solver|load)", keys(), values()).prop_map(|(t, k, v)| Change::new(format!("{t}.{k}"), v)),
+            ],
             1..4,
         ),
     ) {
-        fate(&template(CaseKind::TwoChamber), &sets);
+        fate(&template(&two_chambers()), &sets);
     }
 }
 
@@ -292,7 +294,7 @@ proptest! {
 #[test]
 fn hostile_texts_are_refused() {
     const MANY: usize = 900_000;
-    let least = template(CaseKind::TwoChamber);
+    let least = template(&two_chambers());
     let with = |from: &str, to: String| {
         assert!(least.contains(from), "{from}");
         least.replacen(from, &to, 1)

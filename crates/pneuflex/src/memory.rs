@@ -5,10 +5,21 @@ use std::fs;
 use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
 use pneuflex_model::Case;
 
-use crate::error::InputError;
+use crate::input_error::{InputError, InputErrorKind};
+use crate::words::{count, size};
 
 /// Memory that meshing takes for every cell of the grid around the body, air and gaps included.
 const GRID_BYTES: f64 = 41.0;
+
+/// How much memory a body may be estimated to need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MemoryLimit {
+    /// What the system says is available.
+    #[default]
+    Available,
+    /// As much as it takes.
+    None,
+}
 
 /// Size of a case as far as it is known from its lengths alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,11 +70,11 @@ impl Estimate {
         Self { elements: mesh.num_elements() as f64, unknowns, bytes: bytes(mesh.kind, 1, unknowns) }
     }
 
-    /// Refuses a case that needs more memory than there is, unless `force`d.
+    /// Refuses what needs more memory than there is, unless `limit` says otherwise; else returns what to warn of.
     ///
     /// # Errors
     /// The estimate and the memory available.
-    pub fn guard(&self, force: bool) -> Result<Option<String>, InputError> {
+    pub fn within(&self, limit: MemoryLimit) -> Result<Option<String>, InputError> {
         if self.elements < 1.0 {
             return Err(InputError::new("the lengths of [actuator] differ too much to be meshed together"));
         }
@@ -78,11 +89,12 @@ impl Estimate {
             available.map_or(String::new(), |bytes| format!(", {} are available", size(bytes)))
         );
         let can_be_numbered = self.unknowns < 3.0 * f64::from(u32::MAX);
-        let may_try = force && can_be_numbered;
+        let may_try = limit == MemoryLimit::None && can_be_numbered;
         if !fits && !may_try {
-            let or_force = if can_be_numbered { ", or --force to try all the same" } else { "" };
-            let help = format!("choose a coarser mesh.resolution or a larger mesh.size{or_force}");
-            return Err(InputError::new(format!("this case will not fit in memory: {text}")).help(Some(help)));
+            let kind = if can_be_numbered { InputErrorKind::TooLarge } else { InputErrorKind::Other };
+            let help = "choose a coarser mesh.resolution or a larger mesh.size".to_owned();
+            let error = InputError::new(format!("this case will not fit in memory: {text}"));
+            return Err(error.of_kind(kind).with_help(Some(help)));
         }
         let is_large = !fits || available.is_some_and(|bytes| self.bytes > 0.5 * bytes) || self.elements >= 1e6;
         Ok(is_large.then(|| format!("this is a large case: {text}")))
@@ -107,36 +119,6 @@ fn available() -> Option<f64> {
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
     let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024.0)
-}
-
-/// Bytes in words.
-pub fn size(bytes: f64) -> String {
-    const MIB: f64 = 1024.0 * 1024.0;
-    if bytes < 1024.0 * MIB {
-        format!("{:.0} MiB", (bytes / MIB).max(1.0))
-    } else if bytes < 1e6 * 1024.0 * MIB {
-        let gibibytes = bytes / (1024.0 * MIB);
-        if gibibytes < 1000.0 { format!("{gibibytes:.1} GiB") } else { format!("{} GiB", count(gibibytes)) }
-    } else {
-        "more than 1,000,000 GiB".into()
-    }
-}
-
-/// A large count in words.
-pub fn count(value: f64) -> String {
-    if value < 1e12 { thousands(value.round() as u64) } else { format!("{value:.1e}") }
-}
-
-/// A number with separators between its thousands.
-pub fn thousands(value: u64) -> String {
-    let digits = value.to_string();
-    let groups: Vec<&str> = {
-        let first = (digits.len() + 2) % 3 + 1;
-        let mut groups = vec![&digits[..first]];
-        groups.extend((first..digits.len()).step_by(3).map(|i| &digits[i..i + 3]));
-        groups
-    };
-    groups.join(",")
 }
 
 #[cfg(test)]
@@ -192,15 +174,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn numbers_are_readable() {
-        assert_eq!(
-            ["7", "26,310", "1,268", "123,456,789"],
-            [7, 26_310, 1268, 123_456_789].map(thousands).each_ref().map(String::as_str)
-        );
-        assert_eq!((size(5e8), size(5e9)), ("477 MiB".into(), "4.7 GiB".into()));
-        assert_eq!(size(f64::INFINITY), "more than 1,000,000 GiB");
     }
 }

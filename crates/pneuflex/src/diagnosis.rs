@@ -1,12 +1,10 @@
 //! Why a run ended, and what to be careful about, in the words of somebody who designs actuators.
 
-use pneuflex_model::{Case, ContactMethod, Problem, Resolution};
+use pneuflex_model::{Case, Clock, ContactMethod, Problem, Resolution};
 use pneuflex_newton::{Cause, Failure};
 use pneuflex_post::stress::recover;
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
-
-use crate::study::{Description, Study};
 
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.1;
@@ -143,21 +141,21 @@ fn material_gives_way(problem: &Problem, displacement: &[[f64; 3]]) -> Option<St
     ))
 }
 
-/// What to be careful about in the results of a case at the pressures landed on.
-pub fn warnings(study: &Study, steps: &[&StepSummary]) -> Vec<Warning> {
+/// What to be careful about in results; `case` is that of an actuator.
+pub fn warnings(clock: Clock, case: Option<&Case>, steps: &[StepSummary]) -> Vec<Warning> {
     let mut found = Vec::new();
     let mut add = |kind, at: Option<&StepSummary>, message: String, advice: &str| {
         let time = at.and_then(|step| step.time);
         let pressure_kpa = at.filter(|step| step.time.is_none()).map(|step| step.pressure_kpa);
         found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
     };
-    let when = |step: &StepSummary| study.problem.clock.words(step.time.unwrap_or(step.pressure_kpa));
+    let when = |step: &StepSummary| clock.words(step.when());
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
         add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
     }
-    let Description::Actuator(case) = &study.description else { return found };
+    let Some(case) = case else { return found };
     let thinnest = case.actuator.thinnest_wall();
     let is_deep = |step: &StepSummary| step.contact.max_penetration_mm > PENETRATION_SHARE * thinnest;
     if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
@@ -204,10 +202,10 @@ fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
 }
 
 fn first_and_last<'a>(
-    steps: &[&'a StepSummary],
+    steps: &'a [StepSummary],
     holds: impl Fn(&StepSummary) -> bool,
 ) -> (Option<&'a StepSummary>, Option<&'a StepSummary>) {
-    let mut those = steps.iter().copied().filter(|step| holds(step));
+    let mut those = steps.iter().filter(|step| holds(step));
     let first = those.next();
     (first, those.last().or(first))
 }
@@ -215,12 +213,10 @@ fn first_and_last<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::CaseKind;
-    use pneuflex_model::Clock;
     use pneuflex_newton::Stability;
 
     fn case(change: &str) -> Case {
-        toml::from_str(&crate::new::text(CaseKind::TwoChamber).replace("resolution = \"standard\"", change)).unwrap()
+        toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", change)).unwrap()
     }
 
     fn problem() -> Problem {
@@ -256,9 +252,7 @@ mod tests {
     fn meshes_are_warned_about() {
         let kinds = |change: &str| -> Vec<_> {
             let case = case(change);
-            let problem = Problem::from_case(&case).unwrap();
-            let study = Study::of_actuator(std::path::Path::new("case.toml"), case, problem);
-            warnings(&study, &[]).into_iter().map(|w| w.kind).collect()
+            warnings(Clock::Pressure, Some(&case), &[]).into_iter().map(|w| w.kind).collect()
         };
         assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);
         assert_eq!(kinds("resolution = \"standard\""), []);

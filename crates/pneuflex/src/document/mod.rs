@@ -1,15 +1,18 @@
-//! Reading a case file and the `--set` changes to it, with errors that name file, line, key and allowed range.
+//! Reading a case or model file and changes to it, with errors that name file, line, key and allowed range.
 //!
 //! Everything wrong with a case is said at once: what cannot be read is mended for the time being (a misspelt key gets its nearest
-//! name, a wrong value its default) and reading goes on, see [`crate::repair`].
+//! name, a wrong value its default) and reading goes on, see [`repair`].
 //!
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.
 
-use std::fs::File;
-use std::io::{self, Read};
+mod repair;
+mod suggest;
+
+use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Case, CaseError};
@@ -17,15 +20,12 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{InputError, Place};
-use crate::repair::{Repair, Repairs};
-use crate::suggest;
+use crate::input_error::{InputError, Origin, Place};
+use crate::store::Store;
+use repair::{Repair, Repairs};
 
 /// Problems of a file that are said at the most.
 const MOST_PROBLEMS: usize = 30;
-
-/// Bytes that a case file may have.
-const MAX_BYTES: u64 = 1_000_000;
 
 /// What a file in TOML describes.
 pub trait Document: DeserializeOwned {
@@ -48,8 +48,30 @@ impl Document for Model {
 /// The case file of an actuator.
 pub type CaseFile = Written<Case>;
 
+/// Another value for a key of a case or model file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The key, e.g. `actuator.gap`.
+    pub key: String,
+    /// The value in TOML; what is no TOML is taken as a text without quotes.
+    pub value: String,
+}
+
+impl Change {
+    /// Sets `key` to `value`.
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.into() }
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, self.value)
+    }
+}
+
 /// A case or a model together with where its values come from.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Written<T> {
     /// The case, every value within its range.
     pub case: T,
@@ -59,20 +81,21 @@ pub struct Written<T> {
 }
 
 /// The texts a document is made of, as if they stood one after the other.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sources {
     texts: Vec<Text>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Text {
     name: String,
+    origin: Origin,
     start: usize,
-    text: String,
+    text: Arc<str>,
 }
 
 /// Where a key and its value stand.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Key {
     path: String,
     key: Range<usize>,
@@ -80,17 +103,21 @@ struct Key {
 }
 
 impl<T: Document> Written<T> {
-    /// Reads and checks a case file with changes `key=value` applied to it.
+    /// Reads and checks a case file with changes to it.
     ///
     /// # Errors
     /// A file that cannot be read, is not UTF-8 or not TOML; every unknown, missing or misplaced key and every value out of range.
-    pub fn load(path: &Path, changes: &[String]) -> Result<Self, Vec<InputError>> {
-        Self::from_text(path, read(path)?, changes)
+    pub fn load(path: &Path, changes: &[Change]) -> Result<Self, Vec<InputError>> {
+        Self::from_text(path, Store::Disk.text(path)?, changes)
     }
 
-    /// The same from the file's text.
-    fn from_text(path: &Path, text: String, changes: &[String]) -> Result<Self, Vec<InputError>> {
-        let mut sources = Sources { texts: vec![Text { name: path.display().to_string(), start: 0, text }] };
+    /// The same from a text; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_text(path: &Path, text: impl Into<Arc<str>>, changes: &[Change]) -> Result<Self, Vec<InputError>> {
+        let name = path.display().to_string();
+        let mut sources = Sources { texts: vec![Text { name, origin: Origin::File, start: 0, text: text.into() }] };
         for change in changes {
             sources.push_change(change)?;
         }
@@ -117,7 +144,7 @@ impl<T: Document> Written<T> {
 
     /// Turns a range error into one that shows where the value stands.
     pub fn out_of_range(&self, error: &CaseError) -> InputError {
-        InputError::new(error.to_string()).at(Some(place_of(&error.key, &self.sources, &self.keys)))
+        out_of_range(error, &self.sources, &self.keys)
     }
 
     /// Name of the case file without folder and extension.
@@ -145,9 +172,7 @@ fn deserialize<T: Document>(
                 let problems = case.problems();
                 let said = problems.iter().filter(|problem| !repairs.touch(&problem.key));
                 let said = said.take(MOST_PROBLEMS - errors.len());
-                errors.extend(said.map(|problem| {
-                    InputError::new(problem.to_string()).at(Some(place_of(&problem.key, sources, keys)))
-                }));
+                errors.extend(said.map(|problem| out_of_range(problem, sources, keys)));
                 errors.sort_by_key(InputError::position);
                 return (Some(case), errors);
             }
@@ -166,6 +191,10 @@ fn deserialize<T: Document>(
     (None, errors)
 }
 
+fn out_of_range(error: &CaseError, sources: &Sources, keys: &[Key]) -> InputError {
+    InputError::new(error.to_string()).of_key(&error.key).at(Some(place_of(&error.key, sources, keys)))
+}
+
 /// Where a key stands; if it is not written out, where the nearest table around it does.
 fn place_of(key: &str, sources: &Sources, keys: &[Key]) -> Place {
     let mut wanted = key;
@@ -181,61 +210,38 @@ fn place_of(key: &str, sources: &Sources, keys: &[Key]) -> Place {
 }
 
 impl Sources {
-    fn push_change(&mut self, change: &str) -> Result<(), InputError> {
-        let name = format!("--set {change}");
-        let expected = || InputError::new(format!("{name}: expected KEY=VALUE, e.g. --set actuator.gap=1.5"));
-        let (key, value) = change.split_once('=').ok_or_else(expected)?;
-        if key.trim().is_empty() || value.trim().is_empty() {
-            return Err(expected());
-        }
-        // A value that is no TOML is a bare string, as in `--set mesh.element=hex8-q1p0`.
+    fn push_change(&mut self, change: &Change) -> Result<(), InputError> {
+        let Change { key, value } = change;
+        // A value that is no TOML is a bare string, as in `mesh.element=hex8-q1p0`.
+        let plain = change.to_string();
         let quoted = format!("{key}={}", toml::Value::from(value.trim()));
-        let text = if DeTable::parse(change).is_ok() {
-            change.to_owned()
-        } else if DeTable::parse(&quoted).is_ok() {
-            quoted
-        } else {
-            return Err(InputError::new(format!("{name}: `{}` is not a key", key.trim())));
-        };
+        let text = [plain, quoted].into_iter().find(|text| DeTable::parse(text).is_ok());
         let start = self.texts.last().map_or(0, |t| t.start + t.text.len() + 1);
-        self.texts.push(Text { name, start, text });
+        let Some(text) = text.filter(|_| !key.trim().is_empty() && !value.trim().is_empty()) else {
+            let (name, text) = (change.to_string(), Arc::from(change.to_string()));
+            let place = Place::new(&name, Origin::Change, text, 0..key.len());
+            return Err(InputError::new(format!("`{}` is not a key", key.trim())).of_key(key).at(Some(place)));
+        };
+        self.texts.push(Text { name: change.to_string(), origin: Origin::Change, start, text: text.into() });
         Ok(())
     }
 
     fn place(&self, span: Range<usize>) -> Place {
         let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
-        let Text { name, start, text } = &self.texts[index];
-        Place::new(name, text, span.start - start..span.end.max(span.start) - start)
+        let Text { name, origin, start, text } = &self.texts[index];
+        Place::new(name, *origin, text.clone(), span.start - start..span.end.max(span.start) - start)
     }
 }
 
-/// Whether a file describes a model rather than an actuator with nothing but air in it: a table `model`, or times instead of pressures.
-/// A file that cannot be read is neither.
-pub fn is_model(path: &Path) -> bool {
-    let Some(text) = read(path).ok() else { return false };
-    let Ok(document) = DeTable::parse(&text) else { return false };
+/// Whether a text describes a model rather than an actuator with nothing but air in it: a table `model`, or times instead of
+/// pressures. A text that cannot be read does neither.
+pub fn is_model(text: &str) -> bool {
+    let Ok(document) = DeTable::parse(text) else { return false };
     let load = document.get_ref().get("load").and_then(|load| load.get_ref().as_table());
     document.get_ref().contains_key("model") || load.is_some_and(|load| load.contains_key("times"))
 }
 
-fn read(path: &Path) -> Result<String, InputError> {
-    let cannot = |e: io::Error| InputError::file(path, format!("cannot be read: {e}"));
-    let mut bytes = Vec::new();
-    File::open(path).map_err(cannot)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let help = "a case file is a short text; is this another kind of file?".to_owned();
-        return Err(InputError::file(path, "is larger than 1 MB, which no case file may be").help(Some(help)));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-        // Up to the first bad byte both texts agree.
-        let place = Place::new(&path.display().to_string(), &text, valid..valid + 1);
-        InputError::new(format!("not valid UTF-8 (byte {valid} of the file); save the file as UTF-8")).at(Some(place))
-    })
-}
-
-/// A resolution set on the command line replaces what the file says of the mesh: beside it, those keys would win.
+/// A resolution that is set replaces what the file says of the mesh: beside it, those keys would win.
 fn make_way_for_resolution(document: &mut DeTable<'_>, change: &DeTable<'_>) {
     let mesh = change.get("mesh").and_then(|mesh| mesh.get_ref().as_table());
     let old = document.get_mut("mesh").map(Spanned::get_mut);
@@ -311,32 +317,36 @@ fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputE
             Some(meant) => Repair::Rename { path: path.into(), to: meant.into() },
             None => Repair::Remove(path.into()),
         };
-        let error = InputError::new(format!("unknown key `{path}`{known}"));
-        return (error.at(place).help(meant.map(did_you_mean)), repair);
+        let error = InputError::new(format!("unknown key `{path}`{known}")).of_key(path);
+        return (error.at(place).with_help(meant.map(did_you_mean)), repair);
     }
     if let Some((_, rest)) = message.split_once("unknown variant `") {
         let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
         let allowed = quoted(expected);
         let help = suggest::closest(name, allowed.iter().copied()).map(did_you_mean);
         let message = format!("{path} = {name:?} is not allowed: must be one of {}", allowed.join(", "));
-        return (InputError::new(message).at(place).help(help), Repair::Remove(path.into()));
+        return (InputError::new(message).of_key(path).at(place).with_help(help), Repair::Remove(path.into()));
     }
     if let Some((_, rest)) = message.split_once("missing field `") {
         let name = rest.split('`').next().unwrap_or(rest);
         let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
         let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with; the guide has all keys of model files".to_owned());
-        let error = InputError::new(format!("key `{path}` is missing")).at(place).help(help);
+        let error = InputError::new(format!("key `{path}` is missing")).of_key(&path).at(place).with_help(help);
         return (error, Repair::StandIn(path));
     }
     if let Some((_, rest)) = message.split_once("misplaced field `") {
         let (name, why) = rest.split_once("`: ").unwrap_or((rest, ""));
         let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
         let place = Some(place_of(&path, sources, keys));
-        return (InputError::new(format!("key `{path}` is out of place: {why}")).at(place), Repair::Remove(path));
+        let error = InputError::new(format!("key `{path}` is out of place: {why}")).of_key(&path).at(place);
+        return (error, Repair::Remove(path));
     }
     let text = plain_types(&message);
-    let error = InputError::new(if path.is_empty() { text } else { format!("{path}: {text}") }).at(place);
-    (error, Repair::Remove(path.into()))
+    let error = match path {
+        "" => InputError::new(text),
+        path => InputError::new(format!("{path}: {text}")).of_key(path),
+    };
+    (error.at(place), Repair::Remove(path.into()))
 }
 
 /// The words between backquotes.

@@ -6,9 +6,11 @@ use pneuflex_post::summary::StepSummary;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::error::InputError;
+use crate::analysis::Analysis;
+use crate::error::ResultsError;
+use crate::files::{Files, INPUT, included_name};
 use crate::folder::OutputFolder;
-use crate::study::{Description, Files, INPUT, Study, included_name};
+use crate::input_error::{InputError, InputErrorKind};
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
@@ -24,15 +26,16 @@ pub struct Recorded {
     pub output_s: f64,
 }
 
-/// Where a run begins.
-#[derive(Debug)]
+/// Where a run begins that goes on with what a folder holds.
+#[derive(Clone, Debug, Default)]
 pub enum Start {
-    /// At rest.
+    /// At rest: there is nothing to go on with.
+    #[default]
     AtRest,
     /// At an accepted load step of an earlier run.
     From(Box<(Recorded, Checkpoint)>),
-    /// The earlier run reached everything that is asked for.
-    Complete,
+    /// Nowhere: the earlier run reached everything that is asked for.
+    Complete(Vec<StepSummary>),
 }
 
 #[derive(Serialize)]
@@ -53,30 +56,38 @@ struct Loaded {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), String> {
+pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), ResultsError> {
     let stored = Stored { version: env!("CARGO_PKG_VERSION"), recorded, path };
-    folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| format!("{FILE}: {e}"))?)
+    folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| ResultsError::not_representable(FILE, e))?)
 }
 
-/// Where the run of a case in a folder is to go on.
-///
-/// # Errors
-/// Results of another case, of another version of the program, or a damaged checkpoint.
-pub fn load(folder: &OutputFolder, study: &Study) -> Result<Start, InputError> {
+impl OutputFolder {
+    /// Where a run of an analysis is to go on that records in this folder.
+    ///
+    /// # Errors
+    /// Results of another case, of another version of the program, or a damaged checkpoint.
+    pub fn start(&self, analysis: &Analysis) -> Result<Start, InputError> {
+        load(self, analysis)
+    }
+}
+
+fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError> {
     let again = |what: String| {
-        InputError::file(folder.path(), what)
-            .help(Some("run without --resume to start over; that replaces what is there".into()))
+        InputError::about_file(folder.path(), what)
+            .of_kind(InputErrorKind::OtherResults)
+            .with_help(Some("start over; that replaces what is there".into()))
     };
     let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
     let unreadable = || again("case.toml cannot be read: it is damaged, or another version's".into());
     let old: toml::Table = std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
-    let new: toml::Table = study.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
+    let new: toml::Table = analysis.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
     let mut changes = changes(&old, &new);
-    if let Description::Model(_, files) = &study.description {
-        changes.extend(changed_files(folder, files));
+    if let Some(files) = analysis.files()? {
+        changes.extend(changed_files(folder, &files));
     }
-    if changes.is_empty() && landed_on(folder) == study.times {
-        return Ok(Start::Complete);
+    let reached = reached(folder);
+    if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.times.iter().copied()) {
+        return Ok(Start::Complete(reached));
     }
     let old_times = times_of(&old);
     let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
@@ -84,7 +95,7 @@ pub fn load(folder: &OutputFolder, study: &Study) -> Result<Start, InputError> {
         return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
     }
     let Some(bytes) = folder.read(FILE) else {
-        if folder.path().join(FILE).exists() || !landed_on(folder).is_empty() {
+        if folder.path().join(FILE).exists() || !reached.is_empty() {
             return Err(again(format!("there are results, but {FILE} is missing or cannot be read")));
         }
         return Ok(Start::AtRest);
@@ -94,8 +105,8 @@ pub fn load(folder: &OutputFolder, study: &Study) -> Result<Start, InputError> {
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
-    let landed = loaded.recorded.steps.iter().map(|step| step.time.unwrap_or(step.pressure_kpa));
-    let times = &study.times;
+    let landed = loaded.recorded.steps.iter().map(StepSummary::when);
+    let times = &analysis.times;
     let count = loaded.recorded.steps.len();
     let goes_on = landed.eq(times.iter().copied().take(count))
         && times.get(count).is_none_or(|next| *next >= loaded.path.time)
@@ -104,8 +115,8 @@ pub fn load(folder: &OutputFolder, study: &Study) -> Result<Start, InputError> {
     if !goes_on {
         return Err(again(format!(
             "{} leaves out what was reached; it may only change beyond {}",
-            if study.problem.clock == Clock::Pressure { "load.pressure_kpa" } else { "load.times" },
-            study.problem.clock.words(loaded.path.time)
+            if analysis.problem.clock == Clock::Pressure { "load.pressure_kpa" } else { "load.times" },
+            analysis.problem.clock.words(loaded.path.time)
         )));
     }
     Ok(Start::From(Box::new((loaded.recorded, loaded.path))))
@@ -131,16 +142,13 @@ fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String
     (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
 }
 
-/// The times that `summary.json` has results of.
-fn landed_on(folder: &OutputFolder) -> Vec<f64> {
-    let summary: serde_json::Value =
+/// What `summary.json` says of the times that were reached.
+fn reached(folder: &OutputFolder) -> Vec<StepSummary> {
+    let mut summary: serde_json::Value =
         serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
-    let steps = summary["steps"].as_array().map(Vec::as_slice).unwrap_or_default();
-    steps
-        .iter()
-        .filter(|step| step["converged"] == true)
-        .filter_map(|step| step["time"].as_f64().or_else(|| step["pressure_kpa"].as_f64()))
-        .collect()
+    let Some(steps) = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut) else { return Vec::new() };
+    let converged = steps.drain(..).filter(|step| step["converged"] == true);
+    converged.filter_map(|step| serde_json::from_value(step).ok()).collect()
 }
 
 /// Keys of which two cases have different values, each with what it was and is.
@@ -171,7 +179,7 @@ mod tests {
 
     #[test]
     fn changes_of_a_case_are_named() {
-        let text = crate::new::text(crate::args::CaseKind::TwoChamber);
+        let text = crate::template::two_chambers();
         let old: Case = toml::from_str(&text).unwrap();
         let table = |case: &Case| toml::Table::try_from(case).unwrap();
         assert_eq!(changes(&table(&old), &table(&old)), []);
