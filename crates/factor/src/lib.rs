@@ -35,6 +35,7 @@ mod error;
 pub mod faer_backend;
 mod front;
 mod geometric;
+mod minimum_degree;
 mod numeric;
 mod ordering;
 mod outcome;

@@ -25,6 +25,7 @@ pub mod options;
 pub mod problem;
 pub mod range_check;
 mod series;
+mod units;
 
 pub use case::Case;
 pub use formulation::Formulation;
@@ -36,6 +37,4 @@ pub use obstacle_table::{ObstacleTable, ShapeName};
 pub use options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Resolution, Size, Solver};
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 pub use range_check::CaseError;
-
-/// MPa per kPa.
-pub const MPA_PER_KPA: f64 = 1e-3;
+pub use units::MPA_PER_KPA;
