@@ -15,7 +15,6 @@ mod unit;
 
 pub use decimal::DecimalSign;
 pub use read::read;
-pub(crate) use reading::shown;
 pub use reading::{ColumnChoice, Curve, CurveError, MAX_BYTES, MAX_POINTS, Point, ReadOptions, Reading};
 pub use text::decode;
 pub use unit::{StrainMeasure, StressMeasure, StressUnit};

@@ -147,7 +147,7 @@ fn best_stress(headings: &[Heading], among: &[usize], line: usize) -> Result<usi
             _ => 2,
         };
         let unit = match headings[i].unit {
-            Some(super::StressUnit::Megapascal) => 0,
+            Some(super::unit::StressUnit::Megapascal) => 0,
             Some(_) => 1,
             None => 2,
         };
