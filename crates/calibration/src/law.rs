@@ -11,7 +11,7 @@
 //!
 //! with Wᵢ = ∂W/∂Iᵢ. All laws here are linear in their constants.
 
-use crate::curve;
+use crate::words::words_of;
 
 /// A homogeneous test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -40,7 +40,7 @@ impl Mode {
 
     /// The test that a text names, by its usual names and abbreviations.
     pub fn find(text: &str) -> Option<Self> {
-        let words = curve::words(text);
+        let words = words_of(text);
         let joined = words.concat();
         let has = |parts: &[&str]| parts.iter().any(|p| joined.contains(p));
         let is = |names: &[&str]| words.iter().any(|w| names.contains(&w.as_str()));

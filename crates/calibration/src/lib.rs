@@ -17,3 +17,4 @@ pub mod law;
 pub mod library;
 mod regression;
 pub mod stability;
+mod words;

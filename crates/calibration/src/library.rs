@@ -101,7 +101,7 @@ pub const ENTRIES: [Entry; 22] = [
 /// The name of a set on the command line: the material's in lower case with hyphens, and its number if it is not the first.
 pub fn identifier(index: usize) -> String {
     let name = ENTRIES[index].name;
-    let words: Vec<String> = crate::curve::words(name).into_iter().filter(|w| w != "of").collect();
+    let words: Vec<String> = crate::words::words_of(name).into_iter().filter(|w| w != "of").collect();
     let number = 1 + ENTRIES[..index].iter().filter(|e| e.name == name).count();
     let suffix = if number > 1 { format!(":{number}") } else { String::new() };
     format!("{}{suffix}", words.join("-"))

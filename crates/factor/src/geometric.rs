@@ -5,7 +5,7 @@
 //! sliding cuts; on lattices it beats the general multilevel method in both fill and time.
 
 use crate::error::FactorError;
-use crate::ordering::minimum_degree;
+use crate::minimum_degree::minimum_degree;
 use crate::pattern::{Adjacency, BlockPattern};
 
 /// Subdomains up to this size are ordered by minimum degree.

@@ -38,6 +38,7 @@ pub mod faer_backend;
 mod front;
 mod geometric;
 pub mod gmres;
+mod minimum_degree;
 mod numeric;
 mod ordering;
 mod outcome;

@@ -1,11 +1,8 @@
 //! Fill-reducing orderings of the node graph.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
-
 use crate::error::{FactorError, check_length};
 use crate::geometric::geometric_dissection;
+use crate::minimum_degree::minimum_degree;
 use crate::pattern::{Adjacency, BlockPattern};
 
 /// How the nodes are renumbered before elimination.
@@ -42,19 +39,6 @@ pub(crate) fn order_nodes(
             geometric_dissection(graph, positions)
         }
     }
-}
-
-pub(crate) fn minimum_degree(pattern: &BlockPattern) -> Result<Vec<u32>, FactorError> {
-    let n = pattern.num_nodes();
-    let offsets: Vec<usize> = pattern.column_offsets().to_vec();
-    let rows: Vec<usize> = (0..n).flat_map(|j| pattern.column(j).iter().map(|&i| i as usize)).collect();
-    let graph = SymbolicSparseColMatRef::new_checked(n, n, &offsets, None, &rows);
-    let mut order = vec![0usize; n];
-    let mut position = vec![0usize; n];
-    let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<usize>(n, rows.len()));
-    amd::order_maybe_unsorted(&mut order, &mut position, graph, amd::Control::default(), MemStack::new(&mut memory))
-        .map_err(|error| FactorError::Analysis(error.to_string()))?;
-    Ok(order.into_iter().map(|node| node as u32).collect())
 }
 
 fn nested_dissection(graph: &Adjacency, num_nodes: usize) -> Result<Vec<u32>, FactorError> {

@@ -1,6 +1,8 @@
 //! Tests that every law passes. They are called from the laws' own crates and panic with what is wrong.
 
-use crate::{Hyperelastic, Kinematics, Response, Tangent, Tensor};
+use crate::hyperelastic::Hyperelastic;
+use crate::kinematics::Kinematics;
+use crate::tensor::{Response, Tangent, Tensor};
 
 /// A homogeneous state of an incompressible specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Laws in the invariants I₁ and J.
 
-use crate::{Kinematics, Response, Tensor, add_dyad, add_scaled, second_derivative_of_jacobian};
+use crate::kinematics::Kinematics;
+use crate::tensor::{Response, Tensor, add_dyad, add_scaled, second_derivative_of_jacobian};
 
 /// Energy density and its derivatives with respect to I₁ and J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -27,6 +27,7 @@ pub mod problem;
 pub mod quantity;
 pub mod range_check;
 mod series;
+mod units;
 
 pub use case::Case;
 pub use formulation::Formulation;
@@ -40,6 +41,4 @@ pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;
-
-/// MPa per kPa.
-pub const MPA_PER_KPA: f64 = 1e-3;
+pub use units::MPA_PER_KPA;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
-use crate::range_check::Problems;
+use crate::range_check::{CaseError, Problems};
 use crate::series::Series;
 
 /// A rigid body in the way. Which of the optional keys are needed depends on the shape.
@@ -141,10 +141,10 @@ fn check_keys(i: usize, table: &ObstacleTable, found: &mut Problems) {
         let is_needed = needed.contains(&key);
         if is_needed && !is_given {
             let allowed = format!("must be given: the shape needs {}", needed.join(", "));
-            found.0.push(crate::CaseError { key: format!("obstacle[{i}].{key}"), value: "nothing".into(), allowed });
+            found.0.push(CaseError { key: format!("obstacle[{i}].{key}"), value: "nothing".into(), allowed });
         } else if is_given && !is_needed && !optional.contains(&key) {
             let allowed = format!("the shape has the keys {}", [needed, optional].concat().join(", "));
-            found.0.push(crate::CaseError { key: format!("obstacle[{i}].{key}"), value: "something".into(), allowed });
+            found.0.push(CaseError { key: format!("obstacle[{i}].{key}"), value: "something".into(), allowed });
         }
     }
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
-use crate::MPA_PER_KPA;
 use crate::case::Case;
 use crate::formulation::Formulation;
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
@@ -14,6 +13,7 @@ use crate::obstacle::Obstacle;
 use crate::options::{Contact, ContactMethod};
 use crate::quantity::LoadParameter;
 use crate::range_check::CaseError;
+use crate::units::MPA_PER_KPA;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]

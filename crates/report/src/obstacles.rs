@@ -3,7 +3,8 @@
 use pneuflex_model::{Obstacle, Shape};
 use serde::Serialize;
 
-use crate::{Report, ReportError};
+use crate::error::ReportError;
+use crate::report::Report;
 
 /// How far planes and cylinders go on beyond the body, relative to its size.
 const MARGIN: f64 = 0.15;

@@ -3,9 +3,11 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pneuflex_model::Clock;
 
+use crate::assets;
+use crate::numbers::thousands;
+use crate::report::Report;
 use crate::results::results;
-use crate::tables::{inputs, notices, status_text, thousands};
-use crate::{Report, assets};
+use crate::tables::{inputs, notices, status_text};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
@@ -182,8 +184,8 @@ fn options(report: &Report<'_>) -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use crate::Report;
     use crate::inputs::groups;
+    use crate::report::Report;
     use crate::summary::Summary;
     use crate::testing::{summary_json, two_chambers};
     use pneuflex_mesh::Actuator;

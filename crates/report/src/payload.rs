@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use crate::body::Body;
+use crate::error::ReportError;
 use crate::obstacles::{self, Drawn};
 use crate::quantise::{Quantised, floats, integers};
+use crate::report::Report;
 use crate::series::Series;
 use crate::skin::{Lines, Skin};
 use crate::state::State;
 use crate::subdivision::tetrahedra;
-use crate::{Report, ReportError};
 
 #[derive(Serialize)]
 struct Payload<'a> {

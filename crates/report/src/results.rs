@@ -3,11 +3,11 @@
 use maud::{Markup, html};
 use pneuflex_model::Clock;
 
-use crate::Report;
+use crate::numbers::{fixed, number};
 use crate::obstacles::is_symmetric;
+use crate::report::Report;
 use crate::series::{force_on_obstacle, halves_at, whole_force};
 use crate::summary::Landed;
-use crate::tables::{fixed, number};
 
 /// Digits that count in the largest number of a column, at the least.
 const DIGITS: i32 = 3;

@@ -6,10 +6,11 @@ use pneuflex_model::{Clock, Control};
 use pneuflex_post::measures;
 use serde::Serialize;
 
+use crate::error::ReportError;
 use crate::obstacles::is_symmetric;
+use crate::report::Report;
 use crate::state::State;
 use crate::summary::{Landed, Obstacle};
-use crate::{Report, ReportError};
 
 /// Curves in one plot at the most.
 const CURVES: usize = 4;

@@ -4,7 +4,7 @@ use pneuflex_model::Problem;
 use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 
-use crate::ReportError;
+use crate::error::ReportError;
 
 /// Fields at the nodes of the mesh.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use crate::Report;
+use crate::numbers::thousands;
+use crate::report::Report;
 use crate::summary::{Summary, Warning};
 
 /// Why the run ended early, and what to be careful about; nothing if there is nothing to say.
@@ -101,48 +102,5 @@ pub fn inputs(report: &Report<'_>) -> Markup {
                 }
             }
         }
-    }
-}
-
-/// A whole number with commas between thousands.
-pub fn thousands(n: usize) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// A number as short as it can be.
-pub fn number(x: f64) -> String {
-    minus(x.to_string())
-}
-
-/// A number with so many decimals.
-pub fn fixed(x: f64, digits: usize) -> String {
-    let text = format!("{x:.digits$}");
-    // No "−0.000".
-    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') { text.replace('-', "") } else { minus(text) }
-}
-
-fn minus(text: String) -> String {
-    text.replace('-', "−")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_for_people() {
-        assert_eq!(
-            (thousands(7), thousands(41_901), thousands(1_234_567)),
-            ("7".into(), "41,901".into(), "1,234,567".into())
-        );
-        assert_eq!((fixed(-0.0001, 3), fixed(-1.5, 2), number(-5.0)), ("0.000".into(), "−1.50".into(), "−5".into()));
     }
 }

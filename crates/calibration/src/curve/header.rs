@@ -2,6 +2,7 @@
 
 use super::unit::{StrainMeasure, StressMeasure, StressUnit};
 use crate::law::Mode;
+use crate::words::words_of;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,28 +30,10 @@ pub struct Heading {
     pub unit: Option<StressUnit>,
 }
 
-/// The words of a text in lower case: runs of letters and digits, and `%`.
-pub fn tokens(text: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    for c in text.chars() {
-        match c {
-            '²' => words.last_mut().iter_mut().for_each(|w| w.push('2')),
-            '%' => words.extend(["%".to_owned(), String::new()]),
-            c if c.is_alphanumeric() => {
-                let lower = c.to_lowercase();
-                words.last_mut().iter_mut().for_each(|w| w.extend(lower.clone()));
-            }
-            _ => words.push(String::new()),
-        }
-    }
-    words.retain(|w| !w.is_empty());
-    words
-}
-
 impl Heading {
     /// Understands a name.
     pub fn new(name: &str) -> Self {
-        let words = tokens(name);
+        let words = words_of(name);
         let joined = words.concat();
         let has = |parts: &[&str]| parts.iter().any(|p| joined.contains(p));
         let is = |names: &[&str]| words.iter().any(|w| names.contains(&w.as_str()));

@@ -1,12 +1,13 @@
 //! From a table to curves.
 
 use super::decimal::{DecimalSign, Evidence, is_number, number};
-use super::header::{Heading, is_unit, tokens};
+use super::header::{Heading, is_unit};
+use super::reading::{Curve, CurveError, MAX_BYTES, MAX_POINTS, Point, ReadOptions, Reading, shown};
 use super::select::{Pair, Selection, select, title};
 use super::table::{LOOK_AHEAD, Row, lines, separator, split};
 use super::unit::StrainMeasure;
-use super::{Curve, CurveError, MAX_BYTES, MAX_POINTS, Point, ReadOptions, Reading, shown};
 use crate::law::Mode;
+use crate::words::words_of;
 
 /// Engineering strains beyond this are taken for per cent that nobody declared.
 const LARGEST_STRAIN: f64 = 30.0;
@@ -111,7 +112,7 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
     }
     let above = lines(text).take_while(|(n, _)| *n < header_line);
     for (n, line) in above.take(LOOK_AHEAD) {
-        let words = tokens(line);
+        let words = words_of(line);
         let has = |pair: [&str; 2]| words.windows(2).any(|w| w[0] == pair[0] && w[1] == pair[1]);
         if [["astm", "d412"], ["iso", "37"], ["din", "53504"]].into_iter().any(has) {
             return Some((Mode::Uniaxial, format!("by the standard in line {n}")));

@@ -1,20 +1,9 @@
 //! Which columns of a table are the curve's.
 
 use super::header::{Heading, Quantity};
+use super::reading::{ColumnChoice, CurveError, ReadOptions};
 use super::unit::{StrainMeasure, StressMeasure};
-use super::{CurveError, ReadOptions};
 use crate::law::Mode;
-
-/// Columns named by the caller, each by its number from 1 or by its name.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ColumnChoice {
-    /// Stretch or strain, with what it holds; `None` to let its name say that.
-    pub strain: Option<(String, Option<StrainMeasure>)>,
-    /// Stress, with what it holds.
-    pub stress: Option<(String, Option<StressMeasure>)>,
-    /// Kind of test.
-    pub test: Option<String>,
-}
 
 impl ColumnChoice {
     /// From a text such as `stretch=1,stress=4` or `true-strain=Log Strain,true-stress=3,test=1`.
@@ -158,7 +147,7 @@ fn best_stress(headings: &[Heading], among: &[usize], line: usize) -> Result<usi
             _ => 2,
         };
         let unit = match headings[i].unit {
-            Some(super::StressUnit::Megapascal) => 0,
+            Some(super::unit::StressUnit::Megapascal) => 0,
             Some(_) => 1,
             None => 2,
         };
@@ -253,7 +242,7 @@ fn find(headings: &[Heading], column: &str, line: usize) -> Result<usize, CurveE
 pub fn title(headings: &[Heading], column: usize) -> String {
     match headings.get(column).map(|h| h.name.as_str()) {
         None | Some("") => format!("{}", column + 1),
-        Some(name) => format!("{} '{}'", column + 1, super::shown(name)),
+        Some(name) => format!("{} '{}'", column + 1, super::reading::shown(name)),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::CurveError;
 use super::decimal::is_number;
+use super::reading::CurveError;
 
 /// Longest line, bytes: with it no row can become larger than this, whatever the text.
 const MAX_LINE: usize = 16 << 10;

@@ -1,6 +1,6 @@
 //! Units and measures of strain and stress.
 
-use super::header::tokens;
+use crate::words::words_of;
 
 /// Unit of a stress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl StressUnit {
 
     /// The unit among the words of a text such as `Stress (N/mm²)` or `stress_kPa`.
     pub fn find(text: &str) -> Option<Self> {
-        let words = tokens(text);
+        let words = words_of(text);
         let is = |i: usize, what: &str| words.get(i).is_some_and(|w| w == what);
         let per = |i: usize, length: &str| {
             is(i, &format!("{length}2")) || is(i, length) && is(i + 1, "2") || is(i, "sq") && is(i + 1, length)

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{Facet, Mesh};
 
 use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
-use crate::MPA_PER_KPA;
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{Contact, ContactMethod, Solver};
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
 use crate::range_check::CaseError;
 use crate::series::Series;
+use crate::units::MPA_PER_KPA;
 
 /// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
 const STIFFNESS: f64 = 10.0;
