@@ -16,9 +16,9 @@
 //! `tet10` is the pair P2–P0: continuous quadratic displacements and a pressure constant in each element. The constant pressure
 //! bounds the order of the strains to O(h). In the plane the pair is inf-sup stable, because mid-edge nodes control the
 //! flux through every side; in space P2 lacks the nodes at the centres of faces that would do this (Boffi, Brezzi & Fortin
-//! 2013, *Mixed Finite Element Methods and Applications*, ch. 8). Measured on Kuhn's tetrahedra (`tests/eigenvalues.rs`), the
-//! inf-sup constant falls like h, as that of `hex8-q1p0` does: there is no locking, as pressures are few (6 per 24
-//! displacements), but pressures of single elements may oscillate, so read them averaged at the nodes.
+//! 2013, *Mixed Finite Element Methods and Applications*, ch. 8). Measured on Kuhn's tetrahedra
+//! (`tests/integration/eigenvalues.rs`), the inf-sup constant falls like h, as that of `hex8-q1p0` does: there is no locking, as
+//! pressures are few (6 per 24 displacements), but pressures of single elements may oscillate, so read them averaged at the nodes.
 //!
 //! On straight-sided tetrahedra the gradients are linear, and four points integrate the stiffness at rest exactly. But the
 //! isochoric energy is blind to conformal maps, of which three are quadratic (2 (a·X) X − a |X|²), and their change of
@@ -32,7 +32,7 @@
 use pneuflex_mesh::{
     ElementKind,
     mesh::{cofactor, determinant},
-    quadrature, shape,
+    shape,
 };
 use pneuflex_model::Formulation;
 
@@ -60,6 +60,8 @@ pub struct IntegrationPoint {
     pub xi: [f64; 3],
     /// Weight on the reference element.
     pub weight: f64,
+    /// Nᵢ, one per node.
+    pub values: Vec<f64>,
     /// ∂Nᵢ/∂ξ, one per node.
     pub gradients: Vec<[f64; 3]>,
     /// The same, direction by direction in groups of [`LANES`] nodes, filled up with zeros.
@@ -74,21 +76,15 @@ pub const LANES: usize = 4;
 impl ReferenceElement {
     /// The tables of a formulation.
     pub fn new(formulation: Formulation) -> Self {
-        let kind = formulation.element_kind();
-        let (deviatoric, volumetric, num_modes) = match formulation {
-            Formulation::Hex8Sri => (quadrature::hexahedron(2), vec![([0.0; 3], 8.0)], 1),
-            Formulation::Hex8Q1p0 => (quadrature::hexahedron(2), quadrature::hexahedron(2), 1),
-            Formulation::Hex20 => (quadrature::hexahedron_14(), quadrature::hexahedron_14(), 4),
-            Formulation::Hex27 => (quadrature::hexahedron(3), quadrature::hexahedron(3), 4),
-            Formulation::Tet10 => (quadrature::tetrahedron_4(), quadrature::tetrahedron_8(), 1),
-        };
+        let kind = formulation.element;
+        let (deviatoric, volumetric) = ((formulation.deviatoric_rule)(), (formulation.volumetric_rule)());
         Self {
             kind,
             shares_points: deviatoric == volumetric,
             deviatoric: tabulate(kind, deviatoric),
             volumetric: tabulate(kind, volumetric),
-            num_modes,
-            is_centre_only: formulation == Formulation::Hex8Sri,
+            num_modes: formulation.num_modes,
+            is_centre_only: formulation.is_centre_only,
         }
     }
 }
@@ -97,7 +93,7 @@ impl ReferenceElement {
 pub fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<IntegrationPoint> {
     rule.into_iter()
         .map(|(xi, weight)| {
-            let gradients = shape::tabulate(kind, xi).1;
+            let (values, gradients) = shape::tabulate(kind, xi);
             let groups = gradients.len().div_ceil(LANES);
             let mut lanes = vec![[0.0; LANES]; 3 * groups];
             for (a, gradient) in gradients.iter().enumerate() {
@@ -105,7 +101,7 @@ pub fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<Integratio
                     lanes[k * groups + a / LANES][a % LANES] = gradient[k];
                 }
             }
-            IntegrationPoint { xi, weight, gradients, lanes, modes: [1.0, xi[0], xi[1], xi[2]] }
+            IntegrationPoint { xi, weight, values, gradients, lanes, modes: [1.0, xi[0], xi[1], xi[2]] }
         })
         .collect()
 }

@@ -1,77 +1,16 @@
-//! The laws that elements can have, by name.
+//! Materials in elements: the law of the change of shape beside the energy of the element's change of volume.
 
-use pneuflex_material::{Hyperelastic, InvariantDerivatives, Kinematics, Response, Tensor, volumetric};
-use pneuflex_material_mooney_rivlin::MooneyRivlin;
-use pneuflex_material_neo_hooke::NeoHooke;
-use pneuflex_material_ogden::Ogden;
-use pneuflex_material_yeoh::Yeoh;
-use pneuflex_model::{Formulation, Law, Material, Volumetric};
+use std::sync::Arc;
 
-/// The law of a material without its volumetric term.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MaterialLaw {
-    /// Yeoh's.
-    Yeoh(Yeoh),
-    /// Neo-Hooke's.
-    NeoHooke(NeoHooke),
-    /// A polynomial of order 2 in both invariants.
-    MooneyRivlin(MooneyRivlin),
-    /// Ogden's.
-    Ogden(Ogden),
-}
-
-impl MaterialLaw {
-    /// The law of a material.
-    pub fn new(material: &Material) -> Self {
-        match &material.law {
-            &Law::Yeoh { c10, c20, c30 } => Self::Yeoh(Yeoh::new([c10, c20, c30], material.invariant)),
-            &Law::NeoHooke { c10 } => Self::NeoHooke(NeoHooke::new(c10, material.invariant)),
-            &Law::Polynomial { c10, c01, c20, c11, c02 } => {
-                Self::MooneyRivlin(MooneyRivlin::new([c10, c01, c20, c11, c02]))
-            }
-            Law::Ogden { terms } => Self::Ogden(Ogden::new(terms)),
-        }
-    }
-
-    /// The law as a function of I₁ and J, if it is one.
-    #[inline]
-    pub fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
-        match self {
-            Self::Yeoh(law) => Some(law.evaluate(kinematics)),
-            Self::NeoHooke(law) => Some(law.evaluate(kinematics)),
-            Self::MooneyRivlin(_) | Self::Ogden(_) => None,
-        }
-    }
-
-    fn as_hyperelastic(&self) -> &dyn Hyperelastic {
-        match self {
-            Self::Yeoh(law) => law,
-            Self::NeoHooke(law) => law,
-            Self::MooneyRivlin(law) => law,
-            Self::Ogden(law) => law,
-        }
-    }
-}
-
-impl Hyperelastic for MaterialLaw {
-    fn respond(&self, kinematics: &Kinematics) -> Response {
-        self.as_hyperelastic().respond(kinematics)
-    }
-
-    fn energy_and_stress(&self, kinematics: &Kinematics) -> (f64, Tensor) {
-        self.as_hyperelastic().energy_and_stress(kinematics)
-    }
-
-    fn cauchy_stress(&self, kinematics: &Kinematics) -> Tensor {
-        self.as_hyperelastic().cauchy_stress(kinematics)
-    }
-}
+use pneuflex_laws::law_of;
+use pneuflex_material::{Hyperelastic, volumetric};
+use pneuflex_model::{Formulation, Material, Volumetric};
 
 /// A material in elements of one formulation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ElementMaterial {
-    /// Its law.
-    pub law: MaterialLaw,
+    /// Its law, without the volumetric energy.
+    pub law: Arc<dyn Hyperelastic>,
     /// Form of the volumetric energy.
     pub volumetric: Volumetric,
     /// Part of the bulk modulus that resists the element's smoothed change of volume, in the material's volumetric form, MPa.
@@ -96,7 +35,7 @@ impl ElementMaterial {
     pub fn new(material: &Material, formulation: Formulation) -> Self {
         let fluctuation_modulus = formulation.fluctuation_modulus(material);
         Self {
-            law: MaterialLaw::new(material),
+            law: law_of(material),
             volumetric: material.volumetric,
             bulk_modulus: material.bulk_modulus - fluctuation_modulus,
             fluctuation_modulus,

@@ -22,12 +22,12 @@
 //! Garcea 2017, *Comput. Methods Appl. Mech. Engrg.* 313; design §3.1). At a solution the two agree, so the tangent is
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
+use std::sync::Arc;
+
 use nalgebra::Matrix4;
-use pneuflex_material::{
-    Hyperelastic, Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian,
-};
+use pneuflex_material::{Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian};
 use pneuflex_mesh::{
-    ElementKind, Mesh,
+    Mesh,
     mesh::{cofactor, determinant},
 };
 use pneuflex_model::{Formulation, Material, Volumetric};
@@ -49,8 +49,7 @@ pub struct Solid {
     materials: Vec<ElementMaterial>,
     /// Number of every element's material.
     material_of: Vec<u16>,
-    nodes: Vec<[f64; 3]>,
-    connectivity: Vec<u32>,
+    mesh: Arc<Mesh>,
     /// M⁻¹ of every element; only the leading `num_modes` rows and columns count.
     inverse_mass: Vec<[[f64; 4]; 4]>,
     /// Pressure carried by the linearisation, `num_modes` per element; empty: that of the residual.
@@ -77,8 +76,14 @@ impl Solid {
     ///
     /// # Errors
     /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
-    pub fn new(mesh: &Mesh, formulation: Formulation, material: &Material) -> Result<Self, DegenerateElement> {
-        Self::of_materials(mesh, formulation, &[material], vec![0; mesh.num_elements()])
+    pub fn new(
+        mesh: impl Into<Arc<Mesh>>,
+        formulation: Formulation,
+        material: &Material,
+    ) -> Result<Self, DegenerateElement> {
+        let mesh = mesh.into();
+        let material_of = vec![0; mesh.num_elements()];
+        Self::of_materials(mesh, formulation, &[material], material_of)
     }
 
     /// The body of a mesh; `material_of` is the number of every element's material in `materials`.
@@ -86,7 +91,7 @@ impl Solid {
     /// # Errors
     /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
     pub fn of_materials(
-        mesh: &Mesh,
+        mesh: impl Into<Arc<Mesh>>,
         formulation: Formulation,
         materials: &[&Material],
         material_of: Vec<u16>,
@@ -95,13 +100,12 @@ impl Solid {
             reference: ReferenceElement::new(formulation),
             materials: materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect(),
             material_of,
-            nodes: mesh.nodes.clone(),
-            connectivity: mesh.connectivity.clone(),
+            mesh: mesh.into(),
             inverse_mass: Vec::new(),
             carried: Vec::new(),
             processor: Arch::new(),
         };
-        for element in 0..mesh.num_elements() {
+        for element in 0..solid.mesh.num_elements() {
             let mut mass = Matrix4::<f64>::zeros();
             for point in &solid.reference.volumetric {
                 let volume = solid.point_volume(element, point);
@@ -146,12 +150,9 @@ impl Solid {
     /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
-        match self.reference.kind {
-            ElementKind::Hex8 => self.pressures_of::<8, 2>(displacement, correction),
-            ElementKind::Hex20 => self.pressures_of::<20, 5>(displacement, correction),
-            ElementKind::Hex27 => self.pressures_of::<27, 7>(displacement, correction),
-            ElementKind::Tet10 => self.pressures_of::<10, 3>(displacement, correction),
-        }
+        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
+            self.pressures_of::<N, { N.div_ceil(LANES) }>(displacement, correction)
+        })
     }
 
     fn pressures_of<const N: usize, const C: usize>(
@@ -178,7 +179,7 @@ impl Solid {
         correction: Option<&[[f64; 3]]>,
         out: &mut [f64],
     ) {
-        let [x, u] = [&self.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
+        let [x, u] = [&self.mesh.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, correction.is_some());
         let (material, modes) = (self.material(element), self.reference.num_modes);
         let mut theta = dilatation.theta;
@@ -223,30 +224,15 @@ impl Solid {
             .map_err(|(point, jacobian)| LocalError { block: element, point, jacobian })
     }
 
-    fn element_nodes(&self, element: usize) -> &[u32] {
-        let n = self.reference.kind.num_nodes();
-        &self.connectivity[element * n..(element + 1) * n]
-    }
-
     #[inline(always)]
     fn gather<const N: usize, const C: usize>(&self, element: usize, field: &[[f64; 3]]) -> NodeVectors<C> {
-        let nodes = self.element_nodes(element);
+        let nodes = self.mesh.element(element);
         to_lanes::<N, C>(&std::array::from_fn(|a| field[nodes[a] as usize]))
     }
 
     /// Reference volume that an integration point stands for, mm³.
     fn point_volume(&self, element: usize, point: &IntegrationPoint) -> f64 {
-        let volume_at = |p: &IntegrationPoint| {
-            let mut jacobian = [[0.0; 3]; 3];
-            for (&node, g) in self.element_nodes(element).iter().zip(&p.gradients) {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        jacobian[i][j] += self.nodes[node as usize][i] * g[j];
-                    }
-                }
-            }
-            p.weight * determinant(&jacobian)
-        };
+        let volume_at = |p: &IntegrationPoint| p.weight * determinant(&self.mesh.jacobian(element, &p.gradients));
         if self.reference.is_centre_only {
             self.reference.deviatoric.iter().map(volume_at).sum()
         } else {
@@ -301,7 +287,7 @@ impl Solid {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        let [x, u] = [&self.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
+        let [x, u] = [&self.mesh.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
         let modes = self.reference.num_modes;
 
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, request >= Request::Residual);
@@ -495,7 +481,7 @@ impl LocalContribution for Solid {
     }
 
     fn nodes(&self, block: usize) -> &[u32] {
-        self.element_nodes(block)
+        self.mesh.element(block)
     }
 
     fn evaluate(
@@ -505,12 +491,9 @@ impl LocalContribution for Solid {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        match self.reference.kind {
-            ElementKind::Hex8 => self.dispatch::<8, 2>(block, displacement, request, out),
-            ElementKind::Hex20 => self.dispatch::<20, 5>(block, displacement, request, out),
-            ElementKind::Hex27 => self.dispatch::<27, 7>(block, displacement, request, out),
-            ElementKind::Tet10 => self.dispatch::<10, 3>(block, displacement, request, out),
-        }
+        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
+            self.dispatch::<N, { N.div_ceil(LANES) }>(block, displacement, request, out)
+        })
     }
 }
 

@@ -165,6 +165,18 @@ impl Law {
         self.stress_basis(mode, stretch).iter().zip(constants).map(|(b, c)| b * c).sum()
     }
 
+    /// The solver's law with these constants; those that are missing are 0.
+    pub fn with_constants(self, constants: &[f64]) -> pneuflex_model::Law {
+        let get = |i: usize| constants.get(i).copied().unwrap_or(0.0);
+        match self {
+            Self::Yeoh => pneuflex_model::Law::Yeoh { c10: get(0), c20: get(1), c30: get(2) },
+            Self::NeoHookean => pneuflex_model::Law::NeoHooke { c10: get(0) },
+            Self::MooneyRivlin => {
+                pneuflex_model::Law::Polynomial { c10: get(0), c01: get(1), c20: 0.0, c11: 0.0, c02: 0.0 }
+            }
+        }
+    }
+
     /// Initial shear modulus μ = 2 (C₁₀ + C₀₁), MPa.
     pub fn shear_modulus(self, constants: &[f64]) -> f64 {
         match self {

@@ -11,8 +11,7 @@
 //! `q = gᵀ A₁⁻¹ g = I₁ − 9 / I₂`; for Mooney-Rivlin it is `C₁₀ + m C₀₁ > 0` for both eigenvalues m of A₂ against A₁. Either
 //! way the conditions are linear in the constants, which [`conditions`] returns.
 
-use pneuflex_material_yeoh::Yeoh;
-use pneuflex_model::Invariant;
+use pneuflex_laws::law_of;
 
 use crate::law::{Law, Mode};
 
@@ -89,12 +88,7 @@ pub fn stable_range(law: Law, constants: &[f64], mode: Mode) -> Option<StableRan
 
 /// The I₁ − 3 at which the slope of a Yeoh energy vanishes, as the solver itself finds it; `None` if it never does.
 pub fn zero_slope(law: Law, constants: &[f64]) -> Option<f64> {
-    let [c10, c20, c30] = match (law, constants) {
-        (Law::Yeoh, &[c10, c20, c30]) => [c10, c20, c30],
-        (Law::NeoHookean, &[c10]) => [c10, 0.0, 0.0],
-        _ => return None,
-    };
-    Yeoh::new([c10, c20, c30], Invariant::Isochoric).zero_slope()
+    law_of(&law.with_constants(constants).into()).limit()
 }
 
 #[cfg(test)]

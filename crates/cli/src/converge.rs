@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use pneuflex_model::{Case, Problem};
-use pneuflex_newton::{Event, LandedState, follow_path};
+use pneuflex_newton::{ConvergedState, Event, follow_path};
 use pneuflex_post::chart::{Chart, Series, Style};
 use pneuflex_post::convergence::{Extrapolated, extrapolate};
 use pneuflex_post::{PostError, measures, stress};
@@ -132,7 +132,7 @@ fn solve(case: &Case, problem: &Problem, divisions: usize) -> (Level, Result<(),
     let mut steps = Vec::new();
     let mut measured = Ok(());
     let result = follow_path(problem, &case.load.pressure_kpa, &case.solver, &mut |event| {
-        if let (Event::Landed(state), Ok(())) = (event, &measured) {
+        if let (Event::Converged(state), Ok(())) = (event, &measured) {
             match measure(problem, state) {
                 Ok(step) => steps.push(step),
                 Err(error) => measured = Err(error.to_string()),
@@ -156,12 +156,9 @@ fn solve(case: &Case, problem: &Problem, divisions: usize) -> (Level, Result<(),
     (level, ended)
 }
 
-fn measure(problem: &Problem, state: &LandedState) -> Result<Measured, PostError> {
+fn measure(problem: &Problem, state: &ConvergedState) -> Result<Measured, PostError> {
     let u = &state.displacement;
-    let tip = problem.mesh.node_set("bottom_centreline").last().map_or([0.0; 3], |&node| {
-        let first = 3 * node as usize;
-        [u[first], u[first + 1], u[first + 2]]
-    });
+    let tip = problem.mesh.node_set("bottom_centreline").last().map_or([0.0; 3], |&node| u[node as usize]);
     Ok(Measured {
         pressure_kpa: state.time,
         end_face_angle_deg: measures::end_face_angle_deg(problem, u)?,

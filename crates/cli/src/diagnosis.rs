@@ -1,6 +1,6 @@
 //! Why a run ended, and what to be careful about, in the words of somebody who designs actuators.
 
-use pneuflex_model::{Case, ContactMethod, Formulation, Problem, Resolution};
+use pneuflex_model::{Case, ContactMethod, Problem, Resolution};
 use pneuflex_newton::{Cause, Failure};
 use pneuflex_post::stress::recover;
 use pneuflex_post::summary::StepSummary;
@@ -74,7 +74,7 @@ pub enum WarningKind {
 
 /// Why a path ended, from its failure and the displacements (mm, three per node) of the last equilibrium; `None` for one that was
 /// interrupted.
-pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Option<Reason> {
+pub fn explain(problem: &Problem, failure: &Failure, displacement: &[[f64; 3]]) -> Option<Reason> {
     let Failure { cause, stability, .. } = failure;
     let reached = failure.clock.words(failure.reached);
     if *cause == Cause::Interrupted {
@@ -128,7 +128,7 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[f64]) -> Op
 }
 
 /// Where the material has no stiffness left, in words.
-fn material_gives_way(problem: &Problem, displacement: &[f64]) -> Option<String> {
+fn material_gives_way(problem: &Problem, displacement: &[[f64; 3]]) -> Option<String> {
     let stress = recover(problem, displacement).ok()?;
     let beyond = stress.beyond_limit(problem);
     let (element, point, limit) =
@@ -194,7 +194,7 @@ fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
         let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
         return Some((message.into(), advice));
     }
-    let is_linear = matches!(mesh.formulation(), Formulation::Hex8Sri | Formulation::Hex8Q1p0);
+    let is_linear = !mesh.formulation().element.is_quadratic();
     let size = mesh.mesh_size(&case.actuator);
     let across = case.actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
     (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| {
@@ -235,9 +235,9 @@ mod tests {
     #[test]
     fn reasons_follow_from_the_state() {
         let problem = problem();
-        let rest = vec![0.0; problem.num_dofs()];
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let diverged = Cause::Diverged { correction: 1.0 };
-        let kind = |failure: &Failure, u: &[f64]| explain(&problem, failure, u).map(|reason| reason.kind);
+        let kind = |failure: &Failure, u: &[[f64; 3]]| explain(&problem, failure, u).map(|reason| reason.kind);
         assert_eq!(kind(&failure(Cause::Interrupted, 1.0), &rest), None);
         assert_eq!(kind(&failure(diverged.clone(), 1.5), &rest), Some(ReasonKind::NotConverged));
         assert_eq!(kind(&failure(diverged.clone(), 30.0), &rest), Some(ReasonKind::Instability));
@@ -246,7 +246,7 @@ mod tests {
         let chatter = Cause::ContactChatter { least: 1, most: 9 };
         assert_eq!(kind(&failure(chatter, 1.0), &rest), Some(ReasonKind::WallsCross));
         // Plane stretch to 8 is beyond the paper's limit of 54.83.
-        let stretched: Vec<f64> = problem.mesh.nodes.iter().flat_map(|x| [7.0 * x[0], 0.0, -0.875 * x[2]]).collect();
+        let stretched: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|x| [7.0 * x[0], 0.0, -0.875 * x[2]]).collect();
         let reason = explain(&problem, &failure(diverged, 1.0), &stretched).unwrap();
         assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MaterialLimit, true));
         assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);

@@ -213,14 +213,8 @@ fn chosen(arguments: &FitArguments) -> Law {
 fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<Material>, InputError> {
     let law = chosen(arguments);
     let of_fit = |fit: &LawFit| {
-        let value = |i: usize| fit.constants.get(i).map_or(0.0, |c| c.value);
-        Material::from(match law {
-            Law::Yeoh => pneuflex_model::Law::Yeoh { c10: value(0), c20: value(1), c30: value(2) },
-            Law::NeoHookean => pneuflex_model::Law::NeoHooke { c10: value(0) },
-            Law::MooneyRivlin => {
-                pneuflex_model::Law::Polynomial { c10: value(0), c01: value(1), c20: 0.0, c11: 0.0, c02: 0.0 }
-            }
-        })
+        let constants: Vec<f64> = fit.constants.iter().map(|constant| constant.value).collect();
+        Material::from(law.with_constants(&constants))
     };
     let found = fits.iter().find(|f| f.law == law).map(of_fit).filter(|m| m.problems("material").is_empty());
     // The options are checked whether or not there is something to use them for.
@@ -246,7 +240,7 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
         }
     }
     let ratio = material.bulk_modulus / material.shear_modulus();
-    let words = snippet::shear_modulus_in_words(&material.law);
+    let words = material.law.shear_modulus_in_words();
     let bulk = format!("{ratio:.0} times the initial shear modulus {words}; no result of these tests");
     snippet::material(&comments, &material.law, material.bulk_modulus, &bulk)
 }

@@ -2,17 +2,18 @@
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
 use crate::error::say;
 
 /// Whether the run under way is to stop.
-static STOP: AtomicBool = AtomicBool::new(false);
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// Exit code of a run that was interrupted, by the shells' custom.
 pub const EXIT_CODE: u8 = 130;
 
 /// Listens to Ctrl-C and to requests to terminate; returns what becomes true then.
-pub fn listen() -> &'static AtomicBool {
+pub fn listen() -> Arc<AtomicBool> {
     // Somebody else listening already is no reason not to run.
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::Relaxed) {
@@ -20,7 +21,7 @@ pub fn listen() -> &'static AtomicBool {
         }
         say("stopping at the next iteration; once more to end at once");
     });
-    &STOP
+    Arc::clone(&STOP)
 }
 
 /// Stops the run under way.

@@ -40,13 +40,9 @@ impl Estimate {
     pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize) -> Self {
         let cells = actuator.estimate_cells(size);
         let per_chamber = cells / actuator.chambers as f64;
-        let (inside, surface) = match kind {
-            ElementKind::Hex8 => (1.0, 5.8),
-            ElementKind::Hex20 => (4.0, 17.3),
-            ElementKind::Hex27 | ElementKind::Tet10 => (8.0, 23.0),
-        };
+        let [inside, surface] = kind.lattice.nodes_per_cell;
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
-        let elements = cells * kind.elements_per_cell() as f64;
+        let elements = cells * kind.lattice.elements as f64;
         let grid = GRID_BYTES * actuator.estimate_grid(size);
         Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
     }
@@ -186,7 +182,7 @@ mod tests {
     #[test]
     fn unknowns_are_estimated_within_a_tenth() {
         for actuator in [Actuator::two_chambers(), Actuator::full()] {
-            for element in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+            for element in Formulation::ALL {
                 for h in [1.0, 0.5] {
                     let mesh = MeshOptions::uniform(h, element);
                     let built = build_actuator(&actuator, &mesh.mesh_size(&actuator), element.element_kind()).unwrap();

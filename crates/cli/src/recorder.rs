@@ -6,7 +6,7 @@ use std::io::Write;
 use std::time::Instant;
 
 use pneuflex_model::Clock;
-use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, LandedState, PathReport, Timing};
+use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, PathReport, Timing};
 use pneuflex_post::summary::{ProbeSite, State, StepSummary, describe, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
 use serde::Serialize;
@@ -213,7 +213,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records a landed pressure; returns its summary unless something went wrong.
-    pub fn landed(&mut self, state: &LandedState) -> Option<&StepSummary> {
+    pub fn landed(&mut self, state: &ConvergedState) -> Option<&StepSummary> {
         if self.error.is_some() {
             return None;
         }
@@ -230,7 +230,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn write_step(&mut self, landed: &LandedState) -> Result<(), String> {
+    fn write_step(&mut self, landed: &ConvergedState) -> Result<(), String> {
         let state = State {
             time: landed.time,
             cavity_pressures: &landed.cavity_pressures,

@@ -97,8 +97,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let remaining = study.times.get(recorded.steps.len()..).unwrap_or_default();
     let mut recorder = Recorder::new(folder, &study, recorded).map_err(CliError::Output)?;
     let mut last_equilibrium = match &from {
-        Some(checkpoint) => checkpoint.displacement.as_flattened().to_vec(),
-        None => vec![0.0; problem.num_dofs()],
+        Some(checkpoint) => checkpoint.displacement.clone(),
+        None => vec![[0.0; 3]; problem.mesh.num_nodes()],
     };
     let result = follow(problem, remaining, &study.solver, from, &mut |event| {
         match event {
@@ -109,10 +109,10 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             }
             Event::StepRejected { cause, .. } => progress.rejected(cause),
             Event::StepAccepted(checkpoint) => {
-                last_equilibrium.copy_from_slice(checkpoint.displacement.as_flattened());
+                last_equilibrium.clone_from(&checkpoint.displacement);
                 recorder.step_accepted(checkpoint);
             }
-            Event::Landed(state) => {
+            Event::Converged(state) => {
                 if let Some(summary) = recorder.landed(state) {
                     progress.landed(summary);
                 }
@@ -161,24 +161,18 @@ fn follow(
     from: Option<Checkpoint>,
     observer: &mut dyn FnMut(Event<'_>),
 ) -> Result<PathReport, Box<(Failure, PathReport)>> {
-    let unable = |error: String| {
+    let unable = |cause: Cause| {
         let attempted = pressures.first().copied().unwrap_or(0.0);
-        let failure = Failure {
-            reached: 0.0,
-            attempted,
-            cause: Cause::SingularTangent(error),
-            stability: Stability::default(),
-            clock: problem.clock,
-        };
+        let failure = Failure { reached: 0.0, attempted, cause, stability: Stability::default(), clock: problem.clock };
         Box::new((failure, PathReport { iterations: 0, timing: Timing::default() }))
     };
-    let mut path = Path::new(problem, settings, observer).map_err(|e| unable(e.to_string()))?;
+    let mut path = Path::new(problem, settings).map_err(|e| unable(e.into()))?;
     path.stop_when(interrupt::listen());
     if let Some(checkpoint) = from {
-        path.resume(checkpoint).map_err(|e| unable(e.to_string()))?;
+        path.resume(checkpoint).map_err(|e| unable(e.into()))?;
     }
     for &pressure in pressures {
-        if let Err(failure) = path.land_on(pressure) {
+        if let Err(failure) = path.advance_and_tell(pressure, observer) {
             return Err(Box::new((failure, PathReport { iterations: path.iterations(), timing: path.timing() })));
         }
     }

@@ -233,7 +233,7 @@ fn overlap(problem: &Problem) -> Option<CaseError> {
     if problem.obstacles.is_empty() {
         return None;
     }
-    let at_rest = contact::evaluate(problem, &vec![0.0; problem.num_dofs()]).ok()?;
+    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
     let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
     let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
@@ -275,7 +275,10 @@ fn read_body(path: &Path, source: &Source) -> Result<Body, Vec<InputError>> {
         return Err(vec![InputError::file(path, "is neither a deck nor a mesh").help(Some(help))]);
     }
     let read = pneuflex_deck::msh::read(&shown, &bytes).map_err(said)?;
-    let formulation = Formulation::of_kind(read.mesh.kind);
+    let kind = read.mesh.kind;
+    let Some(formulation) = Formulation::of_kind(kind) else {
+        return Err(vec![InputError::file(path, format!("{} cannot be solved", kind.words()))]);
+    };
     let mesh = read.mesh.map_nodes(|x| x.map(|t| source.scale * t));
     let problem = Problem::body(mesh, formulation, Default::default());
     let notes = read.notes.iter().map(ToString::to_string).collect();

@@ -1,6 +1,6 @@
 //! Closest-point projection onto a face (theory §5; Wriggers, *Computational Contact Mechanics*, ch. 4).
 
-use pneuflex_mesh::{FaceKind, shape, shape::FaceShape};
+use pneuflex_mesh::{FaceKind, Outline, shape, shape::FaceShape};
 
 /// How far beyond its edges a face is continued where no face is hit: bridges the wedge between two faces that form a ridge.
 pub const EXTENSION: f64 = 0.1;
@@ -61,9 +61,9 @@ pub fn unit_normal(tangents: &[[f64; 3]; 2]) -> ([f64; 3], f64) {
 
 /// How far reference coordinates lie outside the face.
 pub fn excess(kind: FaceKind, [x, y]: [f64; 2]) -> f64 {
-    match kind {
-        FaceKind::Tri6 => (-x).max(-y).max(x + y - 1.0).max(0.0),
-        _ => (x.abs() - 1.0).max(y.abs() - 1.0).max(0.0),
+    match kind.outline {
+        Outline::Triangle => (-x).max(-y).max(x + y - 1.0).max(0.0),
+        Outline::Square => (x.abs() - 1.0).max(y.abs() - 1.0).max(0.0),
     }
 }
 

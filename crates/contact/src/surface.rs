@@ -13,7 +13,10 @@ pub struct Surface {
 impl Surface {
     /// The surface made of the given facets, in their order.
     pub fn new(mesh: &Mesh, facets: &[Facet]) -> Self {
-        Self { kind: mesh.face_kind(), nodes: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect() }
+        Self {
+            kind: mesh.surface_kind(facets),
+            nodes: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
+        }
     }
 
     /// Number of faces.

@@ -1,11 +1,11 @@
 //! Elements that are turned inside out at rest.
 
 use pneuflex_mesh::mesh::determinant;
-use pneuflex_mesh::{Mesh, quadrature, shape};
+use pneuflex_mesh::{Mesh, shape};
 
 /// Elements whose Jacobian is not positive at every point where their energy is integrated, each with its smallest.
 pub(crate) fn inverted_elements(mesh: &Mesh) -> Vec<(usize, f64)> {
-    let rule = quadrature::volume(mesh.kind);
+    let rule = (mesh.kind.volume_rule)();
     let gradients: Vec<_> = rule.iter().map(|(xi, _)| shape::tabulate(mesh.kind, *xi).1).collect();
     let inverted = |element: usize| {
         let jacobians: Vec<f64> =

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::{ElementKind, Mesh};
+use pneuflex_mesh::Mesh;
 
-/// Turns a mesh of tetrahedra given by their corners into one with straight mid-edge nodes, which elements share. New nodes come after
+/// Turns a mesh of elements given by their corners into one with straight mid-edge nodes, which elements share. New nodes come after
 /// the old ones, in the order of the elements.
 pub(crate) fn add_mid_edge_nodes(mesh: &mut Mesh) {
     let mut of_edge: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    let mut connectivity = Vec::with_capacity(mesh.connectivity.len() / 4 * 10);
-    for corners in mesh.connectivity.chunks_exact(4) {
+    let mut connectivity = Vec::new();
+    for corners in mesh.connectivity.chunks_exact(mesh.kind.num_corners()) {
         connectivity.extend_from_slice(corners);
-        for &[a, b] in ElementKind::Tet10.edges() {
+        for &[a, b] in mesh.kind.edges() {
             let (a, b) = (corners[a], corners[b]);
             let next = mesh.nodes.len() as u32;
             let node = *of_edge.entry([a.min(b), a.max(b)]).or_insert(next);

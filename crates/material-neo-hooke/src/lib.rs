@@ -44,6 +44,11 @@ impl NeoHooke {
 }
 
 impl Hyperelastic for NeoHooke {
+    #[inline]
+    fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
+        Some(self.evaluate(kinematics))
+    }
+
     fn respond(&self, kinematics: &Kinematics) -> Response {
         self.evaluate(kinematics).response(kinematics)
     }

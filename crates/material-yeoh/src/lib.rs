@@ -64,8 +64,17 @@ impl Yeoh {
 }
 
 impl Hyperelastic for Yeoh {
+    #[inline]
+    fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
+        Some(self.evaluate(kinematics))
+    }
+
     fn respond(&self, kinematics: &Kinematics) -> Response {
         self.evaluate(kinematics).response(kinematics)
+    }
+
+    fn limit(&self) -> Option<f64> {
+        self.zero_slope()
     }
 
     fn energy_and_stress(&self, kinematics: &Kinematics) -> (f64, Tensor) {

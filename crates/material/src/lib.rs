@@ -12,6 +12,8 @@
 //! δF:∂P/∂F:δF = 2 W₁ δF:δF + W₁₁ (2F:δF)² + 2 W₁J (2F:δF)(cof F:δF) + W_JJ (cof F:δF)² + W_J δ²J
 //! ```
 
+use std::fmt::Debug;
+
 pub mod battery;
 mod invariants;
 pub mod kinematics;
@@ -38,7 +40,19 @@ pub struct Response {
 }
 
 /// An isotropic hyperelastic law without its volumetric energy.
-pub trait Hyperelastic {
+pub trait Hyperelastic: Debug + Send + Sync {
+    /// The law as a function of I₁ and J, if it is one: elements have a faster kernel for these.
+    #[inline]
+    fn by_invariants(&self, _kinematics: &Kinematics) -> Option<InvariantDerivatives> {
+        None
+    }
+
+    /// The value of I₁ − 3 (Ī₁ − 3 for an isochoric law) beyond which the law has no stiffness left, so that stresses mean nothing there;
+    /// `None` if there is none, or if the law is none in the first invariant alone: others are not checked.
+    fn limit(&self) -> Option<f64> {
+        None
+    }
+
     /// Energy, stress and tangent, MPa. Where a formula overflows, they are not finite.
     fn respond(&self, kinematics: &Kinematics) -> Response;
 

@@ -424,9 +424,9 @@ pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{quadrature, shape};
+    use crate::shape;
 
-    const KINDS: [ElementKind; 4] = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10];
+    const KINDS: [ElementKind; 4] = ElementKind::ALL;
 
     fn size(h: f64) -> MeshSize {
         MeshSize::uniform(h)
@@ -445,8 +445,8 @@ mod tests {
         let mut volume = 0.0;
         for &facet in mesh.facet_set(set) {
             let nodes = mesh.facet_nodes(facet);
-            for (xi, w) in quadrature::face(mesh.face_kind()) {
-                let shape = shape::evaluate_face(mesh.face_kind(), xi);
+            for (xi, w) in (mesh.face_kind(facet).rule)() {
+                let shape = shape::evaluate_face(mesh.face_kind(facet), xi);
                 let mut point = [0.0; 3];
                 let mut tangent = [[0.0; 3]; 2];
                 for (i, &n) in nodes.iter().enumerate() {

@@ -8,7 +8,7 @@
 //! The tetrahedra's 19 edges are the cube's 12, its 6 face diagonals and 1 body diagonal: their midpoints and the corners
 //! are the 27 nodes of the triquadratic hexahedron.
 
-use crate::element::{ElementKind, TET_EDGES};
+use crate::family::tetrahedron::{EDGES, FACES};
 
 /// Tetrahedra per cube.
 pub const TETRAHEDRA: usize = 6;
@@ -32,7 +32,7 @@ pub fn node_offsets() -> [[[usize; 3]; 10]; TETRAHEDRA] {
         }
         let mut nodes = [[0; 3]; 10];
         nodes[..4].copy_from_slice(&corners);
-        for (node, [p, q]) in nodes[4..].iter_mut().zip(TET_EDGES) {
+        for (node, [p, q]) in nodes[4..].iter_mut().zip(EDGES) {
             *node = std::array::from_fn(|d| (corners[p][d] + corners[q][d]) / 2);
         }
         nodes
@@ -46,9 +46,7 @@ pub fn faces_on_sides() -> [[(usize, u8); 2]; 6] {
         let (axis, position) = (side / 2, 2 * (side % 2));
         let mut found = offsets.iter().enumerate().flat_map(|(tetrahedron, nodes)| {
             (0..4_u8)
-                .filter(move |&face| {
-                    ElementKind::Tet10.face_nodes(face as usize).iter().all(|&n| nodes[n][axis] == position)
-                })
+                .filter(move |&face| FACES[face as usize].iter().all(|&n| nodes[n][axis] == position))
                 .map(move |face| (tetrahedron, face))
         });
         std::array::from_fn(|_| found.next().expect("two of Kuhn's tetrahedra have a face on each side"))
@@ -71,7 +69,7 @@ mod tests {
         for nodes in node_offsets() {
             let edge =
                 |i: usize| -> [f64; 3] { std::array::from_fn(|d| (nodes[i][d] as f64 - nodes[0][d] as f64) / 2.0) };
-            assert_eq!(crate::mesh::determinant(&[edge(1), edge(2), edge(3)]), 1.0);
+            assert_eq!(crate::matrix::determinant(&[edge(1), edge(2), edge(3)]), 1.0);
         }
     }
 
@@ -83,7 +81,7 @@ mod tests {
         for axis in 0..3 {
             let triangles = |side: usize| {
                 sides[side].map(|(tetrahedron, face)| -> BTreeSet<[usize; 2]> {
-                    let corners = &ElementKind::Tet10.face_nodes(face as usize)[..3];
+                    let corners = &FACES[face as usize][..3];
                     let across = |n: usize| {
                         let x = offsets[tetrahedron][n];
                         [x[(axis + 1) % 3], x[(axis + 2) % 3]]

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::element::ElementKind;
-use crate::kuhn;
 use crate::mesh::{Facet, Mesh};
 
 /// Grid lines along the three axes; at least two, strictly increasing, along each.
@@ -34,7 +33,7 @@ impl Lattice {
 
     /// Meshes the cells for which `is_solid(cell)` holds. The mesh has no named sets yet.
     ///
-    /// A cell becomes one hexahedron or six tetrahedra ([`kuhn`]). Cells and nodes are numbered with z fastest and x
+    /// A cell becomes one hexahedron or six tetrahedra ([`crate::kuhn`]). Cells and nodes are numbered with z fastest and x
     /// slowest, which keeps neighbours close in memory.
     pub fn mesh(&self, kind: ElementKind, is_solid: impl Fn([usize; 3]) -> bool) -> LatticeMesh {
         let cells = self.num_cells();
@@ -42,10 +41,7 @@ impl Lattice {
         let fine: [usize; 3] = std::array::from_fn(|d| 2 * cells[d] + 1);
         let fine_index = |p: [usize; 3]| (p[0] * fine[1] + p[1]) * fine[2] + p[2];
         // Of all the elements of a cell, one after the other.
-        let offsets: Vec<[usize; 3]> = match kind {
-            ElementKind::Tet10 => kuhn::node_offsets().into_iter().flatten().collect(),
-            _ => kind.reference_nodes().iter().map(|x| x.map(|t| (t + 1.0) as usize)).collect(),
-        };
+        let offsets = (kind.lattice.nodes)();
 
         let mut solid_cells = Vec::new();
         let mut is_meshed = vec![false; cells[0] * cells[1] * cells[2]];
@@ -112,7 +108,7 @@ impl Lattice {
 pub struct LatticeMesh {
     /// The mesh.
     pub mesh: Mesh,
-    /// The lattice cells that are meshed, in the order of their elements ([`ElementKind::elements_per_cell`] each).
+    /// The lattice cells that are meshed, in the order of their elements ([`crate::family::LatticeCell::elements`] each).
     pub cells: Vec<[usize; 3]>,
     is_meshed: Vec<bool>,
     size: [usize; 3],
@@ -143,19 +139,14 @@ pub struct BoundaryFacet {
 impl LatticeMesh {
     /// All boundary facets, cell by cell and side by side.
     pub fn boundary(&self) -> Vec<BoundaryFacet> {
-        let kind = self.mesh.kind;
-        // Facets on the sides of a cell: element within the cell and local face.
-        let on_side: [Vec<(usize, u8)>; 6] = match kind {
-            ElementKind::Tet10 => kuhn::faces_on_sides().map(Vec::from),
-            // The faces of hexahedra come in the order of the sides.
-            _ => std::array::from_fn(|side| vec![(0, side as u8)]),
-        };
+        let lattice = &self.mesh.kind.lattice;
+        let on_side = (lattice.facets_on_sides)();
         let mut boundary = Vec::new();
         for (index, &cell) in self.cells.iter().enumerate() {
             for (side, facets) in on_side.iter().enumerate() {
                 let Some(neighbour) = self.neighbour(cell, side) else { continue };
                 boundary.extend(facets.iter().map(|&(within, face)| {
-                    let element = (index * kind.elements_per_cell() + within) as u32;
+                    let element = (index * lattice.elements + within) as u32;
                     BoundaryFacet { facet: Facet { element, face }, cell, side, neighbour }
                 }));
             }
@@ -199,7 +190,7 @@ mod tests {
         // Mid-edge nodes are in the middle.
         for element in 0..mesh.num_elements() {
             let nodes = mesh.element(element);
-            for (&middle, [a, b]) in nodes[4..].iter().zip(crate::element::TET_EDGES) {
+            for (&middle, &[a, b]) in nodes[4..].iter().zip(mesh.kind.edges) {
                 for d in 0..3 {
                     let mean = 0.5 * (mesh.nodes[nodes[a] as usize][d] + mesh.nodes[nodes[b] as usize][d]);
                     assert!((mesh.nodes[middle as usize][d] - mean).abs() < 1e-14);

@@ -3,8 +3,10 @@
 //!
 //! This crate knows geometry only: no material, no load, no solver. Lengths are in mm.
 //!
-//! * [`element`]: element families, node numbering, faces.
-//! * [`shape`]: shape functions and their gradients on reference elements and faces.
+//! * [`family`]: what every family of elements is: nodes, shape functions, faces, rules, numbering in files; one table each.
+//! * [`element`]: the families' names, which stand for their tables.
+//! * [`face`]: families of faces with their shape functions.
+//! * [`shape`]: shape functions and their gradients.
 //! * [`quadrature`]: Gauss rules.
 //! * [`mesh`]: the [`Mesh`] itself.
 //! * [`grading`]: element sizes along an axis, small at re-entrant edges.
@@ -14,14 +16,20 @@
 
 pub mod actuator;
 pub mod element;
+pub mod face;
+pub mod family;
 pub mod grading;
 pub mod kuhn;
 pub mod lattice;
+mod matrix;
 pub mod mesh;
+mod polynomial;
 pub mod quadrature;
 pub mod shape;
 
 pub use actuator::{Actuator, Channel, GeometryError, Part, build_actuator};
-pub use element::{ElementKind, FaceKind};
+pub use element::ElementKind;
+pub use face::{FaceKind, Outline};
+pub use family::ReferenceBody;
 pub use grading::MeshSize;
 pub use mesh::{Facet, Mesh};

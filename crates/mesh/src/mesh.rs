@@ -2,15 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use crate::element::{ElementKind, FaceKind};
-use crate::{quadrature, shape};
+use crate::element::ElementKind;
+use crate::face::FaceKind;
+use crate::shape;
+
+pub use crate::matrix::{cofactor, determinant};
 
 /// One face of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Facet {
     /// Element number.
     pub element: u32,
-    /// Local face number, see [`ElementKind::face_nodes`].
+    /// Local face number, see [`crate::family::ElementFamily::faces`].
     pub face: u8,
 }
 
@@ -56,25 +59,34 @@ impl Mesh {
     /// Node numbers of a facet, oriented so that `r_ξ × r_η` points out of the solid.
     pub fn facet_nodes(&self, facet: Facet) -> Vec<u32> {
         let element = self.element(facet.element as usize);
-        self.kind.face_nodes(facet.face as usize).iter().map(|&local| element[local]).collect()
+        let kind = self.kind_of(facet.element as usize);
+        kind.face_nodes(facet.face as usize).iter().map(|&local| element[local]).collect()
     }
 
-    /// Family of the mesh's faces.
-    pub fn face_kind(&self) -> FaceKind {
-        self.kind.face_kind()
+    /// Family of an element.
+    pub fn kind_of(&self, _element: usize) -> ElementKind {
+        self.kind
+    }
+
+    /// Family of a facet.
+    pub fn face_kind(&self, facet: Facet) -> FaceKind {
+        self.kind_of(facet.element as usize).face_kind(facet.face as usize)
+    }
+
+    /// Family of a surface's facets, of which all are of one; that of any face where there are none.
+    pub fn surface_kind(&self, facets: &[Facet]) -> FaceKind {
+        facets.first().map_or_else(|| self.kind.face_kind(0), |&facet| self.face_kind(facet))
     }
 
     /// Edges of a surface that belong to one of its facets only: first corner, last corner and, where there is one, the node in the middle,
     /// in the direction in which the facet's corners run around its outward normal.
     pub fn rim(&self, facets: &[Facet]) -> Vec<Vec<u32>> {
-        let kind = self.face_kind();
-        let (corners, has_middles) = (kind.num_corners(), kind.num_nodes() > kind.num_corners());
         let mut edges: Vec<([u32; 2], Vec<u32>)> = Vec::new();
         for &facet in facets {
-            let nodes = self.facet_nodes(facet);
-            edges.extend((0..corners).map(|i| {
-                let (a, b) = (nodes[i], nodes[(i + 1) % corners]);
-                let middle = has_middles.then(|| nodes[corners + i]);
+            let (kind, nodes) = (self.face_kind(facet), self.facet_nodes(facet));
+            edges.extend(kind.edges().enumerate().map(|(edge, ends)| {
+                let [a, b] = ends.map(|i| nodes[i]);
+                let middle = kind.middle_of_edge(edge).map(|i| nodes[i]);
                 ([a.min(b), a.max(b)], [a, b].into_iter().chain(middle).collect())
             }));
         }
@@ -99,8 +111,8 @@ impl Mesh {
 
     /// Volume of the solid in mm³, by the quadrature of the element family.
     pub fn volume(&self) -> f64 {
-        let rule: Vec<_> =
-            quadrature::volume(self.kind).into_iter().map(|(xi, w)| (shape::tabulate(self.kind, xi).1, w)).collect();
+        let rule = (self.kind.volume_rule)().into_iter();
+        let rule: Vec<_> = rule.map(|(xi, w)| (shape::tabulate(self.kind, xi).1, w)).collect();
         (0..self.num_elements())
             .flat_map(|e| rule.iter().map(move |(gradients, w)| (e, gradients, w)))
             .map(|(e, gradients, w)| w * determinant(&self.jacobian(e, gradients)))
@@ -130,14 +142,19 @@ impl Mesh {
             .map(|(node, d)| (node, d.sqrt()))
     }
 
+    /// All facets of an element.
+    pub fn facets_of(&self, element: u32) -> impl Iterator<Item = Facet> + use<> {
+        let faces = self.kind_of(element as usize).num_faces() as u8;
+        (0..faces).map(move |face| Facet { element, face })
+    }
+
     /// Facets that belong to one element only: the boundary of the solid, in element order.
     pub fn boundary_facets(&self) -> Vec<Facet> {
-        let corners = self.face_kind().num_corners();
         let mut faces: Vec<(Vec<u32>, Facet)> = (0..self.num_elements() as u32)
-            .flat_map(|element| (0..self.kind.num_faces() as u8).map(move |face| Facet { element, face }))
+            .flat_map(|element| self.facets_of(element))
             .map(|facet| {
                 let mut key = self.facet_nodes(facet);
-                key.truncate(corners);
+                key.truncate(self.face_kind(facet).num_corners());
                 key.sort_unstable();
                 (key, facet)
             })
@@ -169,32 +186,4 @@ impl Mesh {
         }
         self
     }
-}
-
-/// Determinant of a 3 × 3 matrix.
-pub fn determinant(m: &[[f64; 3]; 3]) -> f64 {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-}
-
-/// Cofactor matrix: `cof(F) = det(F) F⁻ᵀ`, defined for singular matrices too.
-#[inline]
-pub fn cofactor(f: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    [
-        [
-            f[1][1] * f[2][2] - f[1][2] * f[2][1],
-            f[1][2] * f[2][0] - f[1][0] * f[2][2],
-            f[1][0] * f[2][1] - f[1][1] * f[2][0],
-        ],
-        [
-            f[0][2] * f[2][1] - f[0][1] * f[2][2],
-            f[0][0] * f[2][2] - f[0][2] * f[2][0],
-            f[0][1] * f[2][0] - f[0][0] * f[2][1],
-        ],
-        [
-            f[0][1] * f[1][2] - f[0][2] * f[1][1],
-            f[0][2] * f[1][0] - f[0][0] * f[1][2],
-            f[0][0] * f[1][1] - f[0][1] * f[1][0],
-        ],
-    ]
 }

@@ -1,7 +1,5 @@
 //! Gauss rules on reference elements and faces.
 
-use crate::element::{ElementKind, FaceKind};
-
 /// Abscissae and weights of the Gauss–Legendre rule with `n` points on [−1, 1] (n = 1 … 5).
 ///
 /// # Panics
@@ -99,6 +97,15 @@ pub fn tetrahedron_8() -> Vec<([f64; 3], f64)> {
     corners.map(|x| (x, 1.0 / 240.0)).into_iter().chain(centres.map(|x| (x, 9.0 / 240.0))).collect()
 }
 
+/// Collapsed rule with 4³ points and positive weights on the unit tetrahedron: the cube's rule with three of its sides drawn together.
+pub fn tetrahedron_64() -> Vec<([f64; 3], f64)> {
+    let collapse = |(x, w): ([f64; 3], f64)| {
+        let [s, t, u] = x.map(|t| 0.5 * (1.0 + t));
+        ([s, t * (1.0 - s), u * (1.0 - s) * (1.0 - t)], 0.125 * w * (1.0 - s).powi(2) * (1.0 - t))
+    };
+    hexahedron(4).into_iter().map(collapse).collect()
+}
+
 /// Collapsed (Stroud) rule with 4² points and positive weights on the unit triangle.
 pub fn triangle_16() -> Vec<([f64; 2], f64)> {
     quadrilateral(4)
@@ -118,32 +125,6 @@ pub fn triangle_6() -> Vec<([f64; 2], f64)> {
         rule.extend([[a, a], [a, b], [b, a]].map(|x| (x, 0.5 * w)));
     }
     rule
-}
-
-/// Rule for integrals over faces with geometry and pressure of the given family.
-pub fn face(kind: FaceKind) -> Vec<([f64; 2], f64)> {
-    match kind {
-        FaceKind::Quad4 => quadrilateral(2),
-        FaceKind::Quad8 | FaceKind::Quad9 => quadrilateral(3),
-        FaceKind::Tri6 => triangle_6(),
-    }
-}
-
-/// The multiple-point contact rule: 4 × 4 Gauss points on a face (theory §5).
-pub fn contact_face(kind: FaceKind) -> Vec<([f64; 2], f64)> {
-    match kind {
-        FaceKind::Tri6 => triangle_16(),
-        _ => quadrilateral(4),
-    }
-}
-
-/// Rule that integrates the volumes of the family exactly, also of curved elements.
-pub fn volume(kind: ElementKind) -> Vec<([f64; 3], f64)> {
-    match kind {
-        ElementKind::Hex8 => hexahedron(2),
-        ElementKind::Hex20 | ElementKind::Hex27 => hexahedron(3),
-        ElementKind::Tet10 => tetrahedron_8(),
-    }
 }
 
 #[cfg(test)]
@@ -187,7 +168,7 @@ mod tests {
                 }
             }
         }
-        for (rule, degree) in [(tetrahedron_4(), 2), (tetrahedron_8(), 3)] {
+        for (rule, degree) in [(tetrahedron_4(), 2), (tetrahedron_8(), 3), (tetrahedron_64(), 5)] {
             for i in 0..=degree {
                 for j in 0..=degree - i {
                     for k in 0..=degree - i - j {

@@ -1,8 +1,10 @@
 //! The problem as plain data, without any numerics.
 //!
 //! * [`case`]: what a user writes in a case file, with defaults and range checks.
-//! * [`material`]: hyperelastic laws and their constants.
 //! * [`model_file`]: the same for bodies of any shape, from mesh files and decks.
+//! * [`options`]: the tables that both have.
+//! * [`law`], [`material`]: hyperelastic laws and their constants; what else a material has.
+//! * [`formulation`]: element formulations.
 //! * [`load`]: what acts on a body, as functions of time.
 //! * [`obstacle`]: rigid bodies that a deformable one may touch.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
@@ -11,22 +13,29 @@
 //! Units: mm, N, MPa; contact stiffness N/mm³; pressures in a case file in kPa.
 
 pub mod case;
+pub mod formulation;
+pub mod law;
 pub mod load;
 pub mod material;
 pub mod model_file;
+mod number;
 pub mod obstacle;
 pub mod obstacle_table;
+pub mod options;
 pub mod problem;
-mod written;
+pub mod range_check;
+mod series;
 
-pub use case::{
-    Case, CaseError, Contact, ContactMethod, Formulation, Load, MeshOptions, Output, Probe, Resolution, Size, Solver,
-};
+pub use case::Case;
+pub use formulation::Formulation;
+pub use law::{Invariant, Law, OgdenTerm, Volumetric};
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};
-pub use material::{Invariant, Law, Material, OgdenTerm, Volumetric};
+pub use material::Material;
 pub use obstacle::{Obstacle, Shape};
 pub use obstacle_table::{ObstacleTable, ShapeName};
+pub use options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Resolution, Size, Solver};
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
+pub use range_check::CaseError;
 
 /// MPa per kPa.
 pub const MPA_PER_KPA: f64 = 1e-3;

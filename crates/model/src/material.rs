@@ -1,14 +1,10 @@
 //! The `[material]` table: a hyperelastic law with its constants, the resistance to a change of volume, the density.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
-use crate::case::{CaseError, Problems};
-use crate::written::rounded;
-use table::{LawName, Table};
-
-mod table;
+use crate::law::{ConstantError, Invariant, Law, PAPER, Table, Volumetric};
+use crate::number::rounded;
+use crate::range_check::{CaseError, Problems};
 
 /// A hyperelastic material; moduli in MPa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,77 +22,6 @@ pub struct Material {
     pub density: f64,
 }
 
-/// Energy of a change of shape per reference volume. Bars mark the isochoric part J^(−1/3) F of the deformation gradient.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Law {
-    /// Σ Cᵢ₀ (Ī₁ − 3)ⁱ, i = 1…3 (Yeoh 1993, *Rubber Chem. Technol.* 66).
-    Yeoh {
-        /// Coefficient of (Ī₁ − 3), MPa.
-        c10: f64,
-        /// Coefficient of (Ī₁ − 3)², MPa.
-        c20: f64,
-        /// Coefficient of (Ī₁ − 3)³, MPa.
-        c30: f64,
-    },
-    /// C₁₀ (Ī₁ − 3).
-    NeoHooke {
-        /// Coefficient of (Ī₁ − 3), MPa.
-        c10: f64,
-    },
-    /// Σ Cᵢⱼ (Ī₁ − 3)ⁱ (Ī₂ − 3)ʲ, i + j = 1, 2 (Rivlin & Saunders 1951); Mooney–Rivlin has C₁₀ and C₀₁ alone.
-    Polynomial {
-        /// Coefficient of (Ī₁ − 3), MPa.
-        c10: f64,
-        /// Coefficient of (Ī₂ − 3), MPa.
-        c01: f64,
-        /// Coefficient of (Ī₁ − 3)², MPa.
-        c20: f64,
-        /// Coefficient of (Ī₁ − 3) (Ī₂ − 3), MPa.
-        c11: f64,
-        /// Coefficient of (Ī₂ − 3)², MPa.
-        c02: f64,
-    },
-    /// Σ 2 μᵢ/αᵢ² (λ̄₁^αᵢ + λ̄₂^αᵢ + λ̄₃^αᵢ − 3), 1 to 3 terms (Ogden 1972). The constants are Abaqus's: Ogden's own μᵢ are
-    /// 2/αᵢ times these.
-    Ogden {
-        /// The terms.
-        terms: Vec<OgdenTerm>,
-    },
-}
-
-/// One term of Ogden's law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OgdenTerm {
-    /// Its share μ of the shear modulus at rest, MPa.
-    pub mu: f64,
-    /// Its exponent α.
-    pub alpha: f64,
-}
-
-/// Energy U of a change of volume per reference volume.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Volumetric {
-    /// κ/2 (J − 1)².
-    #[default]
-    Quadratic,
-    /// κ/2 (ln J)².
-    Logarithmic,
-}
-
-/// First invariant in the energy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Invariant {
-    /// I₁ of the whole deformation (the paper's).
-    Full,
-    /// Ī₁ = J^(−2/3) I₁, stress-free at rest, as in other programs.
-    Isochoric,
-}
-
-/// The paper's constants.
-const PAPER: [f64; 3] = [0.2712, 0.03053, -0.000_401_3];
-
 impl Default for Material {
     fn default() -> Self {
         let [c10, c20, c30] = PAPER;
@@ -110,6 +35,31 @@ impl From<Law> for Material {
         let bulk_modulus = default_bulk_modulus(law.shear_modulus());
         let (volumetric, invariant) = (Volumetric::Quadratic, Invariant::Isochoric);
         Self { law, bulk_modulus, volumetric, invariant, density: 0.0 }
+    }
+}
+
+impl TryFrom<Table> for Material {
+    type Error = ConstantError;
+
+    fn try_from(table: Table) -> Result<Self, ConstantError> {
+        let default = Self::from(table.law()?);
+        Ok(Self {
+            bulk_modulus: table.bulk_modulus.unwrap_or(default.bulk_modulus),
+            volumetric: table.volumetric,
+            invariant: table.invariant.unwrap_or(default.invariant),
+            density: table.density,
+            ..default
+        })
+    }
+}
+
+impl From<Material> for Table {
+    fn from(material: Material) -> Self {
+        let Material { law, bulk_modulus, volumetric, invariant, density } = material;
+        let mut table = Self::of_law(&law);
+        (table.bulk_modulus, table.invariant) = (Some(bulk_modulus), Some(invariant));
+        (table.volumetric, table.density) = (volumetric, density);
+        table
     }
 }
 
@@ -146,100 +96,6 @@ impl Material {
     }
 }
 
-impl Law {
-    /// Shear modulus at rest, MPa: 2 (C₁₀ + C₀₁) or Σ μᵢ.
-    pub fn shear_modulus(&self) -> f64 {
-        match self {
-            Self::Yeoh { c10, .. } | Self::NeoHooke { c10 } => 2.0 * c10,
-            Self::Polynomial { c10, c01, .. } => 2.0 * (c10 + c01),
-            Self::Ogden { terms } => terms.iter().map(|term| term.mu).sum(),
-        }
-    }
-
-    /// C₁₀, C₂₀, C₃₀ of a law that is a polynomial of the first invariant alone: Yeoh and neo-Hooke.
-    pub fn reduced_polynomial(&self) -> Option<[f64; 3]> {
-        match *self {
-            Self::Yeoh { c10, c20, c30 } => Some([c10, c20, c30]),
-            Self::NeoHooke { c10 } => Some([c10, 0.0, 0.0]),
-            Self::Polynomial { .. } | Self::Ogden { .. } => None,
-        }
-    }
-
-    /// Name in case files.
-    pub fn name(&self) -> &'static str {
-        LawName::of(self).text()
-    }
-
-    fn check(&self, key: &impl Fn(&str) -> String, found: &mut Problems) {
-        if let Self::Ogden { terms } = self {
-            check_ogden(terms, key, found);
-            return;
-        }
-        let constants = self.constants();
-        for (name, value) in &constants {
-            if matches!((self, *name), (Self::Yeoh { .. } | Self::NeoHooke { .. }, "c10")) {
-                found.unless_positive(&key(name), *value, " MPa");
-            } else if !value.is_finite() {
-                found.add(&key(name), value, "must be a finite number, MPa");
-            }
-        }
-        if let Self::Polynomial { c10, c01, .. } = self
-            && c10.is_finite()
-            && c01.is_finite()
-            && !(c10 + c01 > 0.0 && self.shear_modulus().is_finite())
-        {
-            let allowed = format!("c10 + c01 must be greater than 0 MPa: half the shear modulus at rest; c01 = {c01}");
-            found.add(&key("c10"), c10, &allowed);
-        }
-    }
-
-    /// Constants that are single numbers, MPa, by their keys; none for Ogden's lists.
-    pub fn constants(&self) -> Vec<(&'static str, f64)> {
-        match *self {
-            Self::Yeoh { c10, c20, c30 } => vec![("c10", c10), ("c20", c20), ("c30", c30)],
-            Self::NeoHooke { c10 } => vec![("c10", c10)],
-            Self::Polynomial { c10, c01, .. } if LawName::of(self) == LawName::MooneyRivlin => {
-                vec![("c10", c10), ("c01", c01)]
-            }
-            Self::Polynomial { c10, c01, c20, c11, c02 } => {
-                vec![("c10", c10), ("c01", c01), ("c20", c20), ("c11", c11), ("c02", c02)]
-            }
-            Self::Ogden { .. } => Vec::new(),
-        }
-    }
-}
-
-fn check_ogden(terms: &[OgdenTerm], key: &impl Fn(&str) -> String, found: &mut Problems) {
-    let (mu, alpha): (Vec<f64>, Vec<f64>) = terms.iter().map(|term| (term.mu, term.alpha)).unzip();
-    if terms.is_empty() || terms.len() > 3 {
-        found.add(&key("mu"), &mu, "must be a list of 1 to 3 numbers, MPa");
-    }
-    let shear_modulus: f64 = mu.iter().sum();
-    let is_stiff = shear_modulus.is_finite() && shear_modulus > 0.0;
-    if !(mu.is_empty() || is_stiff) {
-        let allowed =
-            "must be as many finite numbers as alpha has, and their sum, the shear modulus at rest, greater than 0 MPa";
-        found.add(&key("mu"), &mu, allowed);
-    }
-    // Smaller exponents lose the digits of the energy, larger ones overflow at stretches of silicones.
-    if !alpha.iter().all(|a| (0.01..=100.0).contains(&a.abs())) {
-        let allowed = "must be as many numbers as mu has, each from 0.01 to 100 or from -100 to -0.01";
-        found.add(&key("alpha"), &alpha, allowed);
-    }
-}
-
-/// The constants, as in `c10 0.2712, c20 0.03053`.
-impl fmt::Display for Law {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Self::Ogden { terms } = self {
-            let (mu, alpha): (Vec<f64>, Vec<f64>) = terms.iter().map(|term| (term.mu, term.alpha)).unzip();
-            return write!(f, "mu {mu:?}, alpha {alpha:?}");
-        }
-        let constants: Vec<String> = self.constants().iter().map(|(name, value)| format!("{name} {value}")).collect();
-        f.write_str(&constants.join(", "))
-    }
-}
-
 /// Bulk modulus of a material of which only the shear constants are known, MPa: the paper's 1000 to its shear modulus of
 /// 2 C₁₀, 1844 times as much (Poisson's ratio 0.4997).
 fn default_bulk_modulus(shear_modulus: f64) -> f64 {
@@ -251,6 +107,7 @@ fn default_bulk_modulus(shear_modulus: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::OgdenTerm;
 
     #[test]
     fn the_papers_material_gives_the_papers_numbers_and_others_scale() {

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use pneuflex_mesh::Facet;
 use serde::{Deserialize, Serialize};
 
-use crate::case::Problems;
 use crate::load::Motion;
-use crate::model_file::Series;
 use crate::obstacle::{Obstacle, Shape};
+use crate::range_check::Problems;
+use crate::series::Series;
 
 /// A rigid body in the way. Which of the optional keys are needed depends on the shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,20 +1,24 @@
 //! What a solver needs, as plain data.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
 
 use crate::MPA_PER_KPA;
-use crate::case::{Case, CaseError, Contact, ContactMethod, Formulation};
+use crate::case::Case;
+use crate::formulation::Formulation;
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 use crate::material::Material;
 use crate::obstacle::Obstacle;
+use crate::options::{Contact, ContactMethod};
+use crate::range_check::CaseError;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// The body.
-    pub mesh: Mesh,
+    /// The body; shared with everything that is set up from the problem.
+    pub mesh: Arc<Mesh>,
     /// How the volumetric energy of its elements is treated.
     pub formulation: Formulation,
     /// Material of all elements that belong to no region.
@@ -134,9 +138,9 @@ impl ContactPair {
 
 impl Problem {
     /// A free body without loads and contact.
-    pub fn body(mesh: Mesh, formulation: Formulation, material: Material) -> Self {
+    pub fn body(mesh: impl Into<Arc<Mesh>>, formulation: Formulation, material: Material) -> Self {
         Self {
-            mesh,
+            mesh: mesh.into(),
             formulation,
             material,
             regions: Vec::new(),

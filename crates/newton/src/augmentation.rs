@@ -6,18 +6,18 @@
 //! multipliers stay with their points on the way to the next load.
 
 use crate::history::{Augmentation, Cause};
-use crate::path::Path;
+use crate::path::{Observer, Path};
 
 /// Multipliers are brought up to date at most so often at one load.
 pub const MOST_AUGMENTATIONS: usize = 30;
 
-impl Path<'_> {
+impl Path {
     /// Brings the multipliers up to date and solves again until no contact point that carries traction is further than the
     /// tolerance from its partner. Where that fails, the last equilibrium stays with the reason.
     ///
     /// # Errors
     /// [`Cause::Interrupted`]; the state before the last update stays.
-    pub(crate) fn augment(&mut self, tolerance: f64) -> Result<(), Cause> {
+    pub(crate) fn augment(&mut self, tolerance: f64, observer: Observer<'_>) -> Result<(), Cause> {
         let mut failure = None;
         for count in 0..=MOST_AUGMENTATIONS {
             let u = self.displacement().to_vec();
@@ -31,7 +31,7 @@ impl Path<'_> {
             }
             let before = self.system().contact_multipliers().to_vec();
             self.system().set_contact_multipliers(tractions);
-            if let Err(cause) = self.solve_again() {
+            if let Err(cause) = self.solve_again(observer) {
                 self.system().set_contact_multipliers(before);
                 if cause == Cause::Interrupted {
                     return Err(cause);

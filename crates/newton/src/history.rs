@@ -2,10 +2,13 @@
 
 use std::fmt;
 
+use pneuflex_factor::FactorError;
 use pneuflex_model::Clock;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
+use crate::path::ResumeError;
+use crate::system::SetupError;
 
 /// One Newton iteration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,13 +37,13 @@ pub struct IterationRecord {
 
 /// An equilibrium at one of the requested times.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LandedState {
+pub struct ConvergedState {
     /// Requested time: the pressure in kPa for actuators.
     pub time: f64,
-    /// Displacements, mm, three per node.
-    pub displacement: Vec<f64>,
-    /// Forces of the supports on the body, N, three per node, zero at free degrees of freedom: −λ of R + Φᵀλ = 0.
-    pub reaction: Vec<f64>,
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// Forces of the supports on the body, N, one entry per node, zero at free degrees of freedom: −λ of R + Φᵀλ = 0.
+    pub reaction: Vec<[f64; 3]>,
     /// Newton iterations spent since the previous landing, rejected attempts included.
     pub iterations: usize,
     /// Load steps accepted since the previous landing.
@@ -90,7 +93,7 @@ pub enum Event<'a> {
     /// A load step is done; the path can be resumed from here.
     StepAccepted(&'a Checkpoint),
     /// A requested time is reached.
-    Landed(&'a LandedState),
+    Converged(&'a ConvergedState),
 }
 
 /// Why a step failed.
@@ -141,15 +144,24 @@ pub enum Cause {
         /// Number of negative pivots.
         negative_pivots: usize,
     },
-    /// The tangent is singular.
+    /// The equations of the problem cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The path cannot go on from its checkpoint.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// The tangent cannot be factorised.
     #[error("the tangent is singular: {0}")]
-    SingularTangent(String),
+    SingularTangent(#[from] FactorError),
+    /// Equations that no displacement satisfies, or that say the same twice.
+    #[error("the linear equations or the cavities' volumes contradict or repeat each other")]
+    Contradiction,
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// A path that could not be followed to its end; everything landed on before was reported by [`Event::Landed`].
+/// A path that could not be followed to its end; everything landed on before was reported by [`Event::Converged`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     /// Time of the last equilibrium.

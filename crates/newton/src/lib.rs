@@ -22,6 +22,8 @@ pub mod system;
 pub mod warp;
 
 pub use checkpoint::Checkpoint;
-pub use history::{Augmentation, Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
-pub use path::{Path, ResumeError, follow_path};
+pub use history::{
+    Augmentation, Cause, ConvergedState, Event, Failure, IterationRecord, PathReport, Stability, Timing,
+};
+pub use path::{Observer, Path, ResumeError, follow_path};
 pub use system::{Correction, SetupError, System};

@@ -1,7 +1,10 @@
 //! The loads of a problem and the equations of the unknowns beside the displacements.
 
+use std::sync::Arc;
+
 use pneuflex_assembly::{
-    Assembler, Couplings, Equations, LocalContribution, LocalError, Pressure, Request, Rim, Totals, dead,
+    Assembler, BoundaryTerm, Couplings, Equations, FollowerPressure, LocalContribution, LocalError, Request, Totals,
+    conservative_load,
 };
 use pneuflex_model::load::Load;
 use pneuflex_model::{Cavity, Control, Curve, OpenCavity, Problem};
@@ -27,8 +30,8 @@ pub struct Loads {
 
 /// Faces under a pressure, and what it is.
 struct Inflated {
-    faces: Pressure,
-    rim: Rim,
+    faces: FollowerPressure,
+    rim: BoundaryTerm,
     source: Source,
 }
 
@@ -54,7 +57,11 @@ impl Loads {
         for load in &problem.loads {
             if let Load::Pressure { facets, curve } = load {
                 let source = Source::Given(curve.clone());
-                inflated.push(Inflated { faces: Pressure::new(mesh, facets), rim: Rim::new(mesh, facets), source });
+                inflated.push(Inflated {
+                    faces: FollowerPressure::new(Arc::clone(mesh), facets),
+                    rim: BoundaryTerm::new(Arc::clone(mesh), facets),
+                    source,
+                });
             }
         }
         let element_size = (mesh.volume() / mesh.num_elements().max(1) as f64).cbrt();
@@ -159,8 +166,8 @@ impl Loads {
 
 impl Inflated {
     fn cavity(problem: &Problem, cavity: &Cavity, unknowns: &mut usize) -> Result<Self, OpenCavity> {
-        let mut faces = Pressure::new(&problem.mesh, &cavity.facets);
-        let rim = Rim::new(&problem.mesh, &cavity.facets);
+        let mut faces = FollowerPressure::new(problem.mesh.clone(), &cavity.facets);
+        let rim = BoundaryTerm::new(problem.mesh.clone(), &cavity.facets);
         let supply = match &cavity.control {
             Control::Pressure(curve) => return Ok(Self { faces, rim, source: Source::Given(curve.clone()) }),
             Control::Volume(change) => Supply::Volume(change.clone()),
@@ -195,14 +202,16 @@ fn dead_load(problem: &Problem, load: &Load) -> Option<(Vec<[f64; 3]>, Curve)> {
             Some((forces, curve.clone()))
         }
         Load::Traction { facets, traction, curve } => {
-            Some((dead::traction_forces(mesh, facets, *traction), curve.clone()))
+            Some((conservative_load::traction_forces(mesh, facets, *traction), curve.clone()))
         }
         Load::Gravity { elements, acceleration, curve } => {
             let (materials, of_element) = problem.materials();
             let density = |element: u32| materials[usize::from(of_element[element as usize])].density_in_t_per_mm3();
             let forces = match elements {
-                Some(elements) => dead::weight_forces(mesh, elements.iter().copied(), density, *acceleration),
-                None => dead::weight_forces(mesh, 0..mesh.num_elements() as u32, density, *acceleration),
+                Some(elements) => {
+                    conservative_load::weight_forces(mesh, elements.iter().copied(), density, *acceleration)
+                }
+                None => conservative_load::weight_forces(mesh, 0..mesh.num_elements() as u32, density, *acceleration),
             };
             Some((forces, curve.clone()))
         }

@@ -93,9 +93,9 @@ impl System {
     /// [`SetupError`] if an element is degenerate or the body is not held.
     pub fn new(problem: &Problem, parallelism: Parallelism) -> Result<Self, SetupError> {
         let start = Instant::now();
-        let mesh = Arc::new(problem.mesh.clone());
+        let mesh = Arc::clone(&problem.mesh);
         let (materials, material_of) = problem.materials();
-        let solid = Solid::of_materials(&mesh, problem.formulation, &materials, material_of)?;
+        let solid = Solid::of_materials(Arc::clone(&mesh), problem.formulation, &materials, material_of)?;
         let loads = Loads::new(problem)?;
         let contact = ContactModel::of(problem);
         let held = problem.held_dofs();

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, reference_gradients, tabulate};
 use pneuflex_assembly::{Assembler, LocalBlock, LocalContribution, LocalError, Request, Totals};
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Ordering, Parallelism, Symbolic};
-use pneuflex_mesh::{ElementKind, Mesh, quadrature};
+use pneuflex_mesh::{Mesh, with_num_nodes};
 use rayon::prelude::*;
 
 /// The Laplacians of a mesh, factorised.
@@ -36,7 +36,7 @@ impl Warp {
     /// If a Laplacian is singular, which that of a mesh without loose nodes is not.
     pub fn new(mesh: &Arc<Mesh>, held: &[bool], parallelism: Parallelism) -> Result<Self, FactorError> {
         let held = &with_a_held_node_in_every_part(mesh, held);
-        let points = tabulate(mesh.kind, quadrature::volume(mesh.kind));
+        let points = tabulate(mesh.kind, (mesh.kind.volume_rule)());
         let pattern = BlockPattern::from_cliques(mesh.num_nodes(), (0..mesh.num_elements()).map(|e| mesh.element(e)));
         let values = laplacian(mesh, &points, &pattern);
         let symbolic = Arc::new(Symbolic::<1>::analyze(&pattern, Ordering::default())?);
@@ -122,12 +122,8 @@ impl Extent {
 impl Warp {
     /// Extent of a correction at a displacement.
     pub fn extent(&self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
-        let of_element = |element| match self.mesh.kind {
-            ElementKind::Hex8 => self.extent_in::<8>(element, displacement, correction),
-            ElementKind::Hex20 => self.extent_in::<20>(element, displacement, correction),
-            ElementKind::Hex27 => self.extent_in::<27>(element, displacement, correction),
-            ElementKind::Tet10 => self.extent_in::<10>(element, displacement, correction),
-        };
+        let of_element =
+            |element| with_num_nodes!(self.mesh.kind, N => self.extent_in::<N>(element, displacement, correction));
         (0..self.mesh.num_elements())
             .into_par_iter()
             .with_min_len(64)
@@ -222,12 +218,7 @@ fn gradients_of(mesh: &Mesh, element: usize, point: &IntegrationPoint) -> (Vec<[
         let (gradients, volume) = reference_gradients(&x, point);
         (gradients.to_vec(), volume)
     }
-    match mesh.kind {
-        ElementKind::Hex8 => sized::<8>(mesh, element, point),
-        ElementKind::Hex20 => sized::<20>(mesh, element, point),
-        ElementKind::Hex27 => sized::<27>(mesh, element, point),
-        ElementKind::Tet10 => sized::<10>(mesh, element, point),
-    }
+    with_num_nodes!(mesh.kind, N => sized::<N>(mesh, element, point))
 }
 
 /// Right-hand side ∫ (F* − F − δF) ∇N dV, as the residual of a contribution.
@@ -289,12 +280,7 @@ impl LocalContribution for Rotation<'_> {
         _request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        match self.mesh.kind {
-            ElementKind::Hex8 => self.evaluate_nodes::<8>(block, displacement, out),
-            ElementKind::Hex20 => self.evaluate_nodes::<20>(block, displacement, out),
-            ElementKind::Hex27 => self.evaluate_nodes::<27>(block, displacement, out),
-            ElementKind::Tet10 => self.evaluate_nodes::<10>(block, displacement, out),
-        }
+        with_num_nodes!(self.mesh.kind, N => self.evaluate_nodes::<N>(block, displacement, out))
     }
 }
 
@@ -358,6 +344,7 @@ fn second_order_part(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<[[f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex_mesh::ElementKind;
     use pneuflex_mesh::lattice::Lattice;
 
     #[test]

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::Problem;
 
-use crate::surface::{Bounds, Patch, Projection, edge_distances, edges};
+use crate::surface::{Bounds, Patch, Projection, edge_distances};
 use crate::vector::Vec3;
 
 /// A deformed surface that can be asked for its closest point.
 pub(crate) struct Surface {
     patches: Vec<Patch>,
-    /// For every patch whether the surface ends at its edges, in the order of [`edges`].
+    /// For every patch whether the surface ends at its in the order of [`edges`].
     open_edges: Vec<[bool; 4]>,
     tree: Vec<Branch>,
     /// Patches in the order of the tree's leaves.
@@ -49,7 +49,7 @@ impl Surface {
     ///
     /// Edges on a symmetry plane (all their nodes held along exactly one axis by the same support) do not count as an
     /// end: the body goes on behind the plane.
-    pub fn new(problem: &Problem, facets: &[Facet], displacement: &[f64]) -> Self {
+    pub fn new(problem: &Problem, facets: &[Facet], displacement: &[[f64; 3]]) -> Self {
         let patches: Vec<Patch> = facets.iter().map(|&f| Patch::new(&problem.mesh, f, Some(displacement))).collect();
         let bounds: Vec<Bounds> = patches.iter().map(Patch::bounds).collect();
         let mut order: Vec<u32> = (0..patches.len() as u32).collect();
@@ -153,7 +153,7 @@ fn open_edges(problem: &Problem, facets: &[Facet]) -> Vec<[bool; 4]> {
     };
     let edges_of = |facet: Facet| -> Vec<[u32; 2]> {
         let nodes = mesh.facet_nodes(facet);
-        edges(mesh.face_kind()).iter().map(|&[a, b]| [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])]).collect()
+        mesh.face_kind(facet).edges().map(|[a, b]| [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])]).collect()
     };
     let mut uses: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for &facet in facets {

@@ -13,19 +13,20 @@
 //! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
 //!
 //! With another volumetric energy than κ/2 (J − 1)², p = M⁻¹ ∫ U′(J̄) ψ dV at J̄ = 1 + Σ ψᵢ (M⁻¹θ)ᵢ, with the energy
-//! ∫ U(J̄) dV. On `tet10` a part κ_f of κ ([`Formulation::fluctuation_modulus`]) acts on J itself: the pressure is
+//! ∫ U(J̄) dV. On `tet10` a part κ_f of κ ([`pneuflex_model::formulation::MixedFormulation::fluctuation_modulus`]) acts on J itself: the pressure is
 //! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3; design §3.1.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
 //! the solver too.
 
+use pneuflex_assembly::ReferenceElement;
+use pneuflex_assembly::formulation::IntegrationPoint;
 use pneuflex_assembly::law::ElementMaterial;
-use pneuflex_material::{Hyperelastic, Kinematics, cofactor, volumetric};
-use pneuflex_material_yeoh::Yeoh;
+use pneuflex_laws::law_of;
+use pneuflex_material::{Kinematics, cofactor, volumetric};
 use pneuflex_mesh::mesh::determinant;
-use pneuflex_mesh::{ElementKind, quadrature, shape};
-use pneuflex_model::{Formulation, Invariant, Material, Problem, Volumetric};
+use pneuflex_mesh::{ElementKind, ReferenceBody};
+use pneuflex_model::{Invariant, Material, Problem, Volumetric};
 
 use crate::error::{PostError, check};
-use crate::vector::at_node;
 
 /// A symmetric tensor in the order of VTK: xx, yy, zz, xy, yz, xz.
 pub type SymmetricTensor = [f64; 6];
@@ -58,43 +59,16 @@ pub struct StressField {
     reference_points: Vec<[f64; 3]>,
 }
 
-/// A tabulated quadrature point of an element family.
-struct Tabulated {
-    xi: [f64; 3],
-    weight: f64,
-    values: Vec<f64>,
-    gradients: Vec<[f64; 3]>,
-}
-
 /// An element's state at one tabulated point.
 struct Local {
     kinematics: Kinematics,
     volume: f64,
 }
 
-fn tabulate(kind: ElementKind, rule: Vec<([f64; 3], f64)>) -> Vec<Tabulated> {
-    rule.into_iter()
-        .map(|(xi, weight)| {
-            let (values, gradients) = shape::tabulate(kind, xi);
-            Tabulated { xi, weight, values, gradients }
-        })
-        .collect()
-}
-
-/// The rule of the deviatoric energy.
-fn deviatoric_rule(formulation: Formulation) -> Vec<([f64; 3], f64)> {
-    match formulation {
-        Formulation::Hex8Sri | Formulation::Hex8Q1p0 => quadrature::hexahedron(2),
-        Formulation::Hex20 => quadrature::hexahedron_14(),
-        Formulation::Hex27 => quadrature::hexahedron(3),
-        Formulation::Tet10 => quadrature::tetrahedron_4(),
-    }
-}
-
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
 /// `None` if there is none, or if the law is none in the first invariant alone: others are not checked. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
-    Yeoh::of(material)?.zero_slope()
+    law_of(material).limit()
 }
 
 /// von Mises stress of a symmetric tensor (theory §3).
@@ -109,42 +83,37 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: SymmetricTensor) -> f64 {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite; an element turned inside out.
-pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
-    let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
+pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressField, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
+    let mesh = &problem.mesh;
     let (materials, material_of) = problem.materials();
     let laws: Vec<_> = materials.iter().map(|material| ElementMaterial::new(material, problem.formulation)).collect();
-    let deviatoric = tabulate(kind, deviatoric_rule(problem.formulation));
-    let volumetric = match problem.formulation {
-        Formulation::Hex8Sri => tabulate(kind, quadrature::hexahedron(1)),
-        Formulation::Hex20 => tabulate(kind, quadrature::hexahedron_14()),
-        _ => tabulate(kind, quadrature::volume(kind)),
+    let element_table = ReferenceElement::new(problem.formulation);
+    let (deviatoric, volumetric) = (&element_table.deviatoric, &element_table.volumetric);
+    let modes_at = |point: &IntegrationPoint| -> [f64; 4] {
+        std::array::from_fn(|i| if i < element_table.num_modes { point.modes[i] } else { 0.0 })
     };
 
     let mut points = Vec::with_capacity(mesh.num_elements() * deviatoric.len());
     let mut strain_energy = 0.0;
     for element in 0..mesh.num_elements() {
-        let at = |index: usize, point: &Tabulated| local(problem, displacement, element, index, point);
+        let at = |index: usize, point: &IntegrationPoint| local(problem, displacement, element, index, point);
         let states = deviatoric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
         let volume = volumetric.iter().enumerate().map(|(i, p)| at(i, p)).collect::<Result<Vec<_>, _>>()?;
         let number = usize::from(material_of[element]);
         let (material, model) = (&materials[number], &laws[number]);
         let whole: f64 = states.iter().map(|s| s.volume).sum();
-        let volumes: Vec<f64> = match problem.formulation {
-            Formulation::Hex8Sri => vec![whole],
-            _ => volume.iter().map(|s| s.volume).collect(),
-        };
+        let volume_of = |state: &Local| if element_table.is_centre_only { whole } else { state.volume };
         let rule: Vec<([f64; 4], f64, f64)> = volumetric
             .iter()
             .zip(&volume)
-            .zip(volumes)
-            .map(|((point, state), v)| (modes_at(problem.formulation, point.xi), v, state.kinematics.jacobian_minus_1))
+            .map(|(point, state)| (modes_at(point), volume_of(state), state.kinematics.jacobian_minus_1))
             .collect();
         let (pressure, volumetric_energy) = volumetric_pressure(&rule, model);
         strain_energy += volumetric_energy;
         for (point, state) in deviatoric.iter().zip(&states) {
             let excess = state.kinematics.jacobian_minus_1;
-            let p = modes_at(problem.formulation, point.xi).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>()
+            let p = modes_at(point).iter().zip(&pressure).map(|(psi, p)| psi * p).sum::<f64>()
                 + model.fluctuation_modulus * excess;
             strain_energy += 0.5 * model.fluctuation_modulus * excess * excess * state.volume;
             let s = model.law.cauchy_stress(&state.kinematics);
@@ -175,10 +144,10 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
 
 fn local(
     problem: &Problem,
-    displacement: &[f64],
+    displacement: &[[f64; 3]],
     element: usize,
     index: usize,
-    point: &Tabulated,
+    point: &IntegrationPoint,
 ) -> Result<Local, PostError> {
     let mesh = &problem.mesh;
     let jacobian = mesh.jacobian(element, &point.gradients);
@@ -187,7 +156,7 @@ fn local(
     let cofactor = cofactor(&jacobian);
     let mut by_xi = [[0.0; 3]; 3];
     for (&node, gradient) in mesh.element(element).iter().zip(&point.gradients) {
-        let u = at_node(displacement, node);
+        let u = displacement[node as usize];
         for i in 0..3 {
             for j in 0..3 {
                 by_xi[i][j] += u[i] * gradient[j];
@@ -200,14 +169,6 @@ fn local(
     let kinematics =
         Kinematics::new(&gradient).map_err(|e| PostError::Inverted { element, point: index, jacobian: e.0 })?;
     Ok(Local { kinematics, volume: point.weight * determinant })
-}
-
-/// Pressure modes: ψ = (1, ξ, η, ζ), or the first alone.
-fn modes_at(formulation: Formulation, [x, y, z]: [f64; 3]) -> [f64; 4] {
-    match formulation {
-        Formulation::Hex20 | Formulation::Hex27 => [1.0, x, y, z],
-        Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => [1.0, 0.0, 0.0, 0.0],
-    }
 }
 
 /// Coefficients of the pressure M⁻¹ ∫ U′(J̄) ψ dV and the energy ∫ U(J̄) dV, from modes, volume and J − 1 at the volumetric points.
@@ -349,12 +310,12 @@ impl StressField {
     /// The eight monomials of the trilinear field are orthogonal over points symmetric about the coordinate planes, so
     /// each coefficient of the fit is a plain projection.
     fn extrapolation(&self, kind: ElementKind) -> Vec<Vec<f64>> {
-        if kind == ElementKind::Tet10 {
-            return self.extrapolation_on_tetrahedron();
+        if kind.body == ReferenceBody::Tetrahedron {
+            return self.extrapolation_on_tetrahedron(kind);
         }
         let squares: [f64; 8] =
             std::array::from_fn(|k| self.reference_points.iter().map(|xi| monomials(*xi)[k].powi(2)).sum());
-        kind.reference_nodes()
+        kind.nodes
             .iter()
             .map(|node| {
                 let there = monomials(*node);
@@ -373,11 +334,11 @@ impl StressField {
 impl StressField {
     /// The four points lie on the lines from the centroid to the corners, a share τ of the way: with barycentric
     /// coordinates λ, the weight of point i is 1/4 + (λᵢ − 1/4)/τ.
-    fn extrapolation_on_tetrahedron(&self) -> Vec<Vec<f64>> {
+    fn extrapolation_on_tetrahedron(&self, kind: ElementKind) -> Vec<Vec<f64>> {
         let barycentric = |[x, y, z]: [f64; 3]| [1.0 - x - y - z, x, y, z];
         let tau = (barycentric(self.reference_points[0])[0] - 0.25) / 0.75;
         let weights = |node: [f64; 3]| barycentric(node).iter().map(|l| 0.25 + (l - 0.25) / tau).collect();
-        ElementKind::Tet10.reference_nodes().into_iter().map(weights).collect()
+        kind.nodes.iter().map(|&node| weights(node)).collect()
     }
 }
 
@@ -389,35 +350,28 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
-    use pneuflex_assembly::MaterialLaw;
-    use pneuflex_model::{Law, OgdenTerm};
+    use pneuflex_model::Formulation;
 
     fn materials() -> Vec<Material> {
-        let mooney_rivlin = Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 };
-        let ogden = Law::Ogden { terms: vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }] };
-        vec![
-            Material { invariant: Invariant::Full, ..Material::default() },
-            Material::default(),
-            Material { volumetric: Volumetric::Logarithmic, ..mooney_rivlin.into() },
-            ogden.into(),
-        ]
+        let logarithmic = pneuflex_laws::samples()
+            .into_iter()
+            .map(|material| Material { volumetric: Volumetric::Logarithmic, ..material })
+            .last();
+        pneuflex_laws::samples().into_iter().chain(logarithmic).collect()
     }
-
-    const ALL: [Formulation; 5] =
-        [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
 
     /// An affine map: every formulation has the same homogeneous stress and energy.
     #[test]
     fn an_affine_map_has_the_homogeneous_stress_and_energy() {
         let h = [[0.2, 0.1, 0.0], [-0.05, -0.1, 0.08], [0.03, 0.0, -0.07]];
         for material in materials() {
-            for formulation in ALL {
+            for formulation in Formulation::ALL {
                 let mut problem = with_formulation(3.0, formulation);
                 problem.material = material.clone();
                 let u = displacement_of(&problem, |x| std::array::from_fn(|i| (0..3).map(|j| h[i][j] * x[j]).sum()));
                 let field = recover(&problem, &u).unwrap();
                 let k = Kinematics::new(&h).unwrap();
-                let law = MaterialLaw::new(&material);
+                let law = law_of(&material);
                 let mut exact = law.cauchy_stress(&k);
                 // The fluctuations of J have the quadratic energy in any case.
                 let fluctuation_modulus = formulation.fluctuation_modulus(&material);
@@ -445,7 +399,7 @@ mod tests {
     /// the volumetric pressure varies, which ties each formulation's pressure to its energy.
     #[test]
     fn stress_is_the_derivative_of_the_energy_where_the_volume_change_is_uniform() {
-        for formulation in ALL {
+        for formulation in Formulation::ALL {
             let problem = with_formulation(3.0, formulation);
             let state = |t: f64| {
                 displacement_of(&problem, |x| {
@@ -478,16 +432,16 @@ mod tests {
 
     #[test]
     fn extrapolation_reproduces_trilinear_fields_and_linear_ones_on_tetrahedra() {
-        for formulation in ALL {
+        for formulation in Formulation::ALL {
             let problem = with_formulation(3.0, formulation);
-            let field = recover(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
-            let bent = if formulation == Formulation::Tet10 { 0.0 } else { 1.0 };
+            let field = recover(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
+            let bent = if formulation.element.body == ReferenceBody::Tetrahedron { 0.0 } else { 1.0 };
             let function =
                 |x: [f64; 3]| 1.0 + x[0] - 2.0 * x[2] + bent * (0.5 * x[0] * x[1] * x[2] - 2.0 * x[1] * x[2]);
             let values: Vec<f64> = field.reference_points.iter().map(|&xi| function(xi)).collect();
-            for (row, node) in field.extrapolation(problem.mesh.kind).iter().zip(problem.mesh.kind.reference_nodes()) {
+            for (row, node) in field.extrapolation(problem.mesh.kind).iter().zip(problem.mesh.kind.nodes) {
                 let value: f64 = row.iter().zip(&values).map(|(m, v)| m * v).sum();
-                assert!((value - function(node)).abs() < 1e-12);
+                assert!((value - function(*node)).abs() < 1e-12);
             }
         }
     }
@@ -521,11 +475,11 @@ mod tests {
     #[test]
     fn bad_states_are_errors() {
         let problem = two_chambers(3.0);
-        let mut u = vec![0.0; problem.num_dofs()];
+        let mut u = vec![[0.0; 3]; problem.mesh.num_nodes()];
         assert!(matches!(recover(&problem, &u[1..]), Err(PostError::WrongLength { .. })));
-        u[4] = f64::NAN;
+        u[1][1] = f64::NAN;
         assert!(matches!(recover(&problem, &u), Err(PostError::NotFinite { .. })));
-        u[4] = 500.0;
+        u[1][1] = 500.0;
         assert!(matches!(recover(&problem, &u), Err(PostError::Inverted { .. })));
     }
 }

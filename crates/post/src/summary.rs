@@ -7,7 +7,6 @@ use pneuflex_model::{Cavity, Clock, MPA_PER_KPA, Probe, Problem};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
-use crate::vector::at_node;
 use crate::{contact, fields, measures, penetration, stress, vtu};
 
 /// An equilibrium to be described.
@@ -18,9 +17,9 @@ pub struct State<'a> {
     /// Pressure in every cavity, MPa.
     pub cavity_pressures: &'a [f64],
     /// Displacements, mm, three per node.
-    pub displacement: &'a [f64],
+    pub displacement: &'a [[f64; 3]],
     /// Support reactions, N, three per node.
-    pub reaction: &'a [f64],
+    pub reaction: &'a [[f64; 3]],
     /// Newton iterations spent since the previous landing.
     pub iterations: usize,
     /// Load steps accepted since the previous landing.
@@ -199,7 +198,7 @@ pub fn describe(
         converged: true,
         iterations: state.iterations,
         load_steps: state.load_steps,
-        probes: sites.iter().map(|(name, site)| (name.clone(), at_node(u, site.node as u32))).collect(),
+        probes: sites.iter().map(|(name, site)| (name.clone(), u[site.node])).collect(),
         end_face_angle_deg: has_end_face.then(|| measures::end_face_angle_deg(problem, u)).transpose()?,
         centreline: measures::centreline(problem, u)?,
         max_von_mises_mpa: largest.map_or(0.0, |p| p.von_mises),
@@ -240,12 +239,12 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
 
 /// Sums by name; of every node only what acts along the axes that the support holds.
 fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f64; 3]>, PostError> {
-    check("reaction", state.reaction, problem.num_dofs())?;
+    check("reaction", state.reaction.as_flattened(), problem.num_dofs())?;
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for support in &problem.supports {
         let sum = sums.entry(support.name.clone()).or_default();
         for &node in &support.nodes {
-            let reaction = at_node(state.reaction, node);
+            let reaction = state.reaction[node as usize];
             for axis in (0..3).filter(|&axis| support.axes[axis]) {
                 sum[axis] += reaction[axis];
             }
@@ -296,7 +295,7 @@ mod tests {
     #[test]
     fn a_state_at_rest_is_described() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let probes = [Probe { name: "tip".into(), at: [18.0, 0.1, 0.0] }];
         let sites = probe_sites(&problem.mesh, &probes);
         assert!((sites["tip"].distance_mm - 0.1).abs() < 1e-12);

@@ -1,8 +1,8 @@
 //! Deformed faces: positions, normals and the closest point on a face.
 
-use pneuflex_mesh::{FaceKind, Facet, Mesh, shape};
+use pneuflex_mesh::{FaceKind, Facet, Mesh, Outline, shape};
 
-use crate::vector::{Vec3, at_node, cross, dot, norm, sub};
+use crate::vector::{Vec3, cross, dot, norm, sub};
 
 /// A face in its deformed (or reference) position.
 #[derive(Clone, Debug)]
@@ -32,19 +32,19 @@ pub(crate) struct Projection {
 }
 
 impl Patch {
-    /// The face in the state with the given displacements (three per node); `None` for the reference position.
-    pub fn new(mesh: &Mesh, facet: Facet, displacement: Option<&[f64]>) -> Self {
+    /// The face in the state with the given displacements (mm, one entry per node); `None` for the reference position.
+    pub fn new(mesh: &Mesh, facet: Facet, displacement: Option<&[[f64; 3]]>) -> Self {
         let mut nodes = [[0.0; 3]; 9];
         for (position, node) in nodes.iter_mut().zip(mesh.facet_nodes(facet)) {
             *position = mesh.nodes[node as usize];
             if let Some(values) = displacement {
-                let u = at_node(values, node);
+                let u = values[node as usize];
                 for d in 0..3 {
                     position[d] += u[d];
                 }
             }
         }
-        Self { kind: mesh.face_kind(), nodes }
+        Self { kind: mesh.face_kind(facet), nodes }
     }
 
     /// Nodes of the face.
@@ -79,7 +79,7 @@ impl Patch {
     /// A box around the face. Quadratic faces bulge beyond their nodes: their box is widened by a quarter.
     pub fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::around(self.nodes());
-        if self.kind != FaceKind::Quad4 {
+        if !self.kind.is_linear() {
             let widest = (0..3).map(|d| bounds.high[d] - bounds.low[d]).fold(0.0, f64::max);
             for d in 0..3 {
                 bounds.low[d] -= 0.25 * widest;
@@ -99,7 +99,7 @@ impl Patch {
         let mut projection = self.projection(point, xi);
         for _ in 0..ITERATIONS {
             let (gradient, hessian) = self.derivatives(point, xi);
-            let is_triangle = self.kind == FaceKind::Tri6;
+            let is_triangle = self.kind.outline == Outline::Triangle;
             let step = if is_triangle {
                 hessian.step_in_triangle(gradient, xi)
             } else {
@@ -211,30 +211,22 @@ impl Hessian {
     }
 }
 
-/// Corners at the ends of a face's edges, numbers among its nodes.
-pub(crate) fn edges(kind: FaceKind) -> &'static [[usize; 2]] {
-    match kind {
-        FaceKind::Tri6 => &[[0, 1], [1, 2], [2, 0]],
-        _ => &[[0, 1], [1, 2], [2, 3], [3, 0]],
-    }
-}
-
 /// Centre of cell (i, j) of a reference face divided into n × n equal cells. The cells of a triangle are cut by lines
 /// parallel to its sides: those with i + j < n stand upright, the others fill the places between, on their heads.
 pub(crate) fn cell_centre(kind: FaceKind, n: usize, [i, j]: [usize; 2]) -> [f64; 2] {
-    match kind {
-        FaceKind::Tri6 if i + j < n => [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n as f64),
-        FaceKind::Tri6 => [n - 1 - i, n - 1 - j].map(|k| (k as f64 + 2.0 / 3.0) / n as f64),
-        _ => [i, j].map(|k| (2 * k + 1) as f64 / n as f64 - 1.0),
+    match kind.outline {
+        Outline::Triangle if i + j < n => [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n as f64),
+        Outline::Triangle => [n - 1 - i, n - 1 - j].map(|k| (k as f64 + 2.0 / 3.0) / n as f64),
+        Outline::Square => [i, j].map(|k| (2 * k + 1) as f64 / n as f64 - 1.0),
     }
 }
 
 /// Distance of a reference point from the edges, in their order and in reference coordinates; the fourth of a triangle is
 /// infinitely far.
 pub(crate) fn edge_distances(kind: FaceKind, [xi, eta]: [f64; 2]) -> [f64; 4] {
-    match kind {
-        FaceKind::Tri6 => [eta, 1.0 - xi - eta, xi, f64::INFINITY],
-        _ => [1.0 + eta, 1.0 - xi, 1.0 - eta, 1.0 + xi],
+    match kind.outline {
+        Outline::Triangle => [eta, 1.0 - xi - eta, xi, f64::INFINITY],
+        Outline::Square => [1.0 + eta, 1.0 - xi, 1.0 - eta, 1.0 + xi],
     }
 }
 

@@ -18,7 +18,7 @@
 //! first and second derivatives of ξ. (For d itself one would do, because d is stationary in ξ at the closest point.)
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_mesh::FaceKind;
+use pneuflex_mesh::{FaceKind, Outline};
 use pneuflex_model::{ContactMethod, ContactPair, Problem};
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, normalised, vector};
@@ -139,8 +139,9 @@ impl ContactModel {
     /// An element family without a formulation, or lists of unequal length in single-point contact.
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
+        let kind = mesh.kind.face_kind(0);
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let shape = ShapeFunctions::of_face(mesh.face_kind()).ok_or(wrong)?;
+        let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
         let method = problem.contact.method;
         for pair in &problem.contact_pairs {
             if method == ContactMethod::SinglePoint && pair.slave.len() != pair.master.len() {
@@ -148,11 +149,10 @@ impl ContactModel {
                 return Err(ReferenceError::UnpairedFacets { pair: pair.name.clone(), slave, master });
             }
         }
-        let kind = mesh.face_kind();
-        let rule = match (method, kind) {
-            (ContactMethod::SinglePoint, FaceKind::Tri6) => vec![(centre(kind), 0.5)],
+        let rule = match (method, kind.outline) {
+            (ContactMethod::SinglePoint, Outline::Triangle) => vec![(centre(kind), 0.5)],
             (ContactMethod::SinglePoint, _) => quadrature::tensor(1),
-            (_, FaceKind::Tri6) => quadrature::collapsed(4),
+            (_, Outline::Triangle) => quadrature::collapsed(4),
             _ => quadrature::tensor(4),
         };
         let nodes = |facets: &[_]| facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
@@ -279,14 +279,14 @@ impl ContactModel {
 }
 
 fn centre(kind: FaceKind) -> [f64; 2] {
-    if kind == FaceKind::Tri6 { [1.0 / 3.0; 2] } else { [0.0; 2] }
+    if kind.outline == Outline::Triangle { [1.0 / 3.0; 2] } else { [0.0; 2] }
 }
 
 /// How far (ξ, η) lies outside the facet; negative inside.
 fn excess(kind: FaceKind, &[xi, eta]: &[f64; 2]) -> f64 {
-    let over_sides = match kind {
-        FaceKind::Tri6 => [-xi, -eta, xi + eta - 1.0],
-        _ => [xi.abs() - 1.0, eta.abs() - 1.0, -1.0],
+    let over_sides = match kind.outline {
+        Outline::Triangle => [-xi, -eta, xi + eta - 1.0],
+        Outline::Square => [xi.abs() - 1.0, eta.abs() - 1.0, -1.0],
     };
     over_sides.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn derivatives_in_an_active_state() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        for formulation in Formulation::ALL {
             for method in METHODS {
                 let problem = two_blocks(formulation, method, true);
                 let (model, u) = (ContactModel::new(&problem).unwrap(), pushed(&problem));
@@ -359,7 +359,7 @@ mod tests {
     /// A rigid plane pressed in by δ: energy ½ k δ² A, whichever way the facets are cut.
     #[test]
     fn flat_walls_pressed_into_each_other_store_half_k_delta_squared_per_area() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        for formulation in Formulation::ALL {
             for method in METHODS {
                 let problem = two_blocks(formulation, method, true);
                 let model = ContactModel::new(&problem).unwrap();

@@ -6,6 +6,7 @@
 //! [`Problem`](pneuflex_model::Problem) and its mesh with the node numbering. Shape functions, quadrature, material, pressure and contact
 //! are its own, so that agreement with the production crates is evidence.
 //!
+//! * [`elements`]: what the elements are made of.
 //! * [`shape`], [`quadrature`]: interpolation by inverted Vandermonde matrices, Gauss rules by Golub and Welsch.
 //! * [`differentiate`]: scalar functions of a few linear combinations of the unknowns, and their derivatives.
 //! * [`energy`]: the Yeoh energy of a deformation gradient (theory §3).
@@ -21,6 +22,7 @@
 
 pub mod contact;
 pub mod differentiate;
+pub mod elements;
 pub mod energy;
 mod error;
 pub mod kkt;

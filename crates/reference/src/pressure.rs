@@ -6,12 +6,11 @@
 //! such as the symmetry plane y = 0 of the half model. For any other plane across an axis, give that axis the weight 0.
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_mesh::FaceKind;
 use pneuflex_model::Problem;
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, vector};
+use crate::elements;
 use crate::error::ReferenceError;
-use crate::quadrature;
 use crate::shape::ShapeFunctions;
 
 /// Weights (a, b, c) of a closed surface, or one cut by planes through the origin only.
@@ -41,19 +40,16 @@ pub struct AirModel {
 impl AirModel {
     /// Air behind the problem's pressure facets, with the volume weights `axes` (a, b, c); see [`CLOSED`].
     ///
-    /// The rules are exact: 2×2 points on quad4, 3×3 on quad8 and quad9, 3×3 collapsed on tri6.
+    /// The rules are exact ([`elements::face_rule`]).
     ///
     /// # Errors
     /// An element family without a formulation.
     pub fn new(problem: &Problem, axes: [f64; 3]) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let shape = ShapeFunctions::of_face(mesh.face_kind()).ok_or(wrong)?;
-        let rule = match mesh.face_kind() {
-            FaceKind::Quad4 => quadrature::tensor(2),
-            FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(3),
-            FaceKind::Tri6 => quadrature::collapsed(3),
-        };
+        let kind = mesh.surface_kind(&problem.cavity_facets());
+        let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
+        let rule = elements::face_rule(kind);
         let mut terms = Vec::new();
         for facet in problem.cavity_facets() {
             for (xi, weight) in &rule {
@@ -100,7 +96,7 @@ mod tests {
 
     #[test]
     fn air_of_the_half_model_has_its_volume_at_rest_and_under_affine_maps() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        for formulation in Formulation::ALL {
             let problem = two_chambers([8.0, 9.0, 8.0], 2.0, formulation, ContactMethod::None);
             let air = AirModel::new(&problem, CLOSED).unwrap();
             // Two cavities, the channel's open part below them and its roofed part between them.
@@ -120,7 +116,7 @@ mod tests {
         let air = AirModel::new(&problem, CLOSED).unwrap();
         let (u, p) = (noise(problem.num_dofs(), 0.2), 0.035);
         // ∫ Q_p · du along a straight path; forces are quadratic in the path's parameter, two Gauss points are exact.
-        let work: f64 = quadrature::gauss(2)
+        let work: f64 = crate::quadrature::gauss(2)
             .iter()
             .map(|&(t, w)| {
                 let at: Vec<f64> = u.iter().map(|u| 0.5 * (1.0 + t) * u).collect();
@@ -133,7 +129,7 @@ mod tests {
 
     #[test]
     fn derivatives_in_a_deformed_state() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        for formulation in Formulation::ALL {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [2, 1, 1], 0.05);
             let mut problem = body(mesh, formulation, material(pneuflex_model::Invariant::Isochoric));
             let open = problem.mesh.boundary_facets()[1..4].to_vec();

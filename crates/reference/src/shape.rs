@@ -8,6 +8,8 @@
 use nalgebra::DMatrix;
 use pneuflex_mesh::{ElementKind, FaceKind};
 
+use crate::elements::{self, Span};
+
 use crate::differentiate::Dual;
 
 /// Shape functions of an element (`DIM` = 3) or a face (`DIM` = 2).
@@ -18,49 +20,17 @@ pub struct ShapeFunctions<const DIM: usize> {
     coefficients: DMatrix<f64>,
 }
 
-/// Which monomials with exponents up to 2 span a family.
-#[derive(Clone, Copy)]
-enum Span {
-    /// Those with at most so many squares.
-    Squares(usize),
-    /// Those of total degree up to 2.
-    TotalDegree2,
-}
-
 impl ShapeFunctions<3> {
     /// Shape functions of a solid element; `None` if they are not determined by the nodes.
     pub fn of_element(kind: ElementKind) -> Option<Self> {
-        let span = match kind {
-            ElementKind::Hex8 => Span::Squares(0),
-            ElementKind::Hex20 => Span::Squares(1),
-            ElementKind::Hex27 => Span::Squares(3),
-            ElementKind::Tet10 => Span::TotalDegree2,
-        };
-        Self::from_nodes(&kind.reference_nodes(), span)
+        Self::from_nodes(kind.nodes, elements::span_of_element(kind))
     }
 }
 
 impl ShapeFunctions<2> {
     /// Shape functions of a face; `None` if they are not determined by the nodes.
     pub fn of_face(kind: FaceKind) -> Option<Self> {
-        let span = match kind {
-            FaceKind::Quad4 => Span::Squares(0),
-            FaceKind::Quad8 => Span::Squares(1),
-            FaceKind::Quad9 => Span::Squares(2),
-            FaceKind::Tri6 => Span::TotalDegree2,
-        };
-        // Corners, mid-edges in the order of the corners, centre.
-        let corners: &[[f64; 2]] = match kind {
-            FaceKind::Tri6 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-            _ => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
-        };
-        let mut nodes = corners.to_vec();
-        nodes.extend((0..corners.len()).map(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
-        }));
-        nodes.push([0.0, 0.0]);
-        Self::from_nodes(&nodes[..kind.num_nodes()], span)
+        Self::from_nodes(kind.nodes, elements::span_of_face(kind))
     }
 }
 
@@ -135,9 +105,9 @@ mod tests {
 
     #[test]
     fn shape_functions_are_one_at_their_node_and_sum_to_one() {
-        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
+        for kind in ElementKind::ALL {
             let shape = ShapeFunctions::of_element(kind).unwrap();
-            for (j, node) in kind.reference_nodes().iter().enumerate() {
+            for (j, node) in kind.nodes.iter().enumerate() {
                 for (i, value) in shape.values(node).iter().enumerate() {
                     assert!((value - f64::from(i == j)).abs() < 1e-13, "{kind:?} N{i} at node {j}: {value}");
                 }
@@ -149,11 +119,10 @@ mod tests {
 
     #[test]
     fn a_face_is_the_trace_of_its_element() {
-        for kind in [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10] {
-            let (shape, face) =
-                (ShapeFunctions::of_element(kind).unwrap(), ShapeFunctions::of_face(kind.face_kind()).unwrap());
-            let nodes = kind.reference_nodes();
+        for kind in ElementKind::ALL {
+            let (shape, nodes) = (ShapeFunctions::of_element(kind).unwrap(), kind.nodes);
             for local in 0..kind.num_faces() {
+                let face = ShapeFunctions::of_face(kind.face_kind(local)).unwrap();
                 let on_face = face.values(&[0.3, 0.6]);
                 let ids = kind.face_nodes(local);
                 let point: [f64; 3] =

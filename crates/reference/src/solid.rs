@@ -8,13 +8,7 @@
 //!
 //! over its deviatoric and its volumetric points, with weights w that contain the reference volume:
 //!
-//! | formulation | deviatoric points | volumetric points | ψ |
-//! |---|---|---|---|
-//! | `hex8-sri` | 2×2×2 | the centre, w = Vₑ | 1 |
-//! | `hex8-q1p0` | 2×2×2 | 2×2×2 | 1 |
-//! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
-//! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
-//! | `tet10` | 4 | 3×3×3, collapsed | 1 |
+//! See [`crate::elements`] for the points and ψ.
 //!
 //! Π is quadratic in p. Its stationary value is the primal energy: with θᵢ = Σ w ψᵢ (J − 1) and Mᵢⱼ = Σ w ψᵢ ψⱼ it is
 //! p = κ M⁻¹ θ and Σ φ + ½ κ θᵀ M⁻¹ θ, that is ½ κ (J_C − 1)² Vₑ for `hex8-sri` and ½ κ (J̄ − 1)² Vₑ for `hex8-q1p0`.
@@ -31,6 +25,7 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 use pneuflex_model::{Formulation, Material, Problem, Volumetric};
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term};
+use crate::elements;
 use crate::energy::{deviatoric, gradient_from, jacobian, volumetric};
 use crate::error::ReferenceError;
 use crate::quadrature;
@@ -77,9 +72,6 @@ struct Element {
     terms: Vec<Term<11, SaddlePoint>>,
 }
 
-/// A point of an element's rule: reference coordinates, weight, deviatoric?, volumetric?
-type RulePoint = ([f64; 3], f64, bool, bool);
-
 /// The solid of a problem.
 #[derive(Clone, Debug)]
 pub struct SolidModel {
@@ -100,10 +92,7 @@ impl SolidModel {
             return Err(wrong);
         }
         let shape = ShapeFunctions::of_element(kind).ok_or(wrong)?;
-        let pressures_per_element = match problem.formulation {
-            Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
-            Formulation::Hex20 | Formulation::Hex27 => 4,
-        };
+        let pressures_per_element = elements::num_pressures(problem.formulation);
         let (materials, material_of) = problem.materials();
         let has_own_dilatation = materials.iter().any(|material| material.volumetric != Volumetric::Quadratic);
         let fields = Fields { modes: pressures_per_element, has_own_dilatation };
@@ -303,7 +292,7 @@ fn build_element(
     let volume = || quadrature::tensor(2).iter().map(|(xi, w)| w * geometry(xi).1.determinant()).sum::<f64>();
 
     let mut terms = Vec::new();
-    for (xi, weight, is_deviatoric, is_volumetric) in rule(problem.formulation) {
+    for (xi, weight, is_deviatoric, is_volumetric) in elements::rule(problem.formulation) {
         let (gradients, jacobian) = geometry(&xi);
         let determinant = jacobian.determinant();
         let inverse = jacobian.try_inverse().filter(|_| determinant > 0.0);
@@ -330,10 +319,7 @@ fn build_element(
             if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume() } else { weight * determinant };
         let energy = SaddlePoint {
             material: material.clone(),
-            fluctuation_modulus: match problem.formulation {
-                Formulation::Tet10 => material.shear_modulus().min(0.5 * material.bulk_modulus),
-                _ => 0.0,
-            },
+            fluctuation_modulus: elements::fluctuation_modulus(problem.formulation, material),
             has_own_dilatation: fields.has_own_dilatation,
             deviatoric: if is_deviatoric { w } else { 0.0 },
             volumetric: if is_volumetric { w } else { 0.0 },
@@ -342,24 +328,6 @@ fn build_element(
     }
     let dofs = nodes.iter().flat_map(|&n| (0..3).map(move |axis| 3 * n as usize + axis)).collect();
     Ok(Element { dofs, terms })
-}
-
-/// The table in the module's text.
-fn rule(formulation: Formulation) -> Vec<RulePoint> {
-    let points = |n: usize, is_deviatoric: bool, is_volumetric: bool| -> Vec<RulePoint> {
-        quadrature::tensor(n).into_iter().map(|(xi, w)| (xi, w, is_deviatoric, is_volumetric)).collect()
-    };
-    match formulation {
-        Formulation::Hex8Sri => [points(2, true, false), points(1, false, true)].concat(),
-        Formulation::Hex8Q1p0 => points(2, true, true),
-        Formulation::Hex20 => quadrature::irons().into_iter().map(|(xi, w)| (xi, w, true, true)).collect(),
-        Formulation::Hex27 => points(3, true, true),
-        Formulation::Tet10 => {
-            let deviatoric = quadrature::tetrahedron_of_degree_2().into_iter().map(|(xi, w)| (xi, w, true, false));
-            let volumetric = quadrature::collapsed(3).into_iter().map(|(xi, w)| (xi, w, false, true));
-            deviatoric.chain(volumetric).collect()
-        }
-    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Invariant, Material, Problem, Support};
 
-pub const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 
 pub fn material(invariant: Invariant) -> Material {

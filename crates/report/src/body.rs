@@ -2,54 +2,58 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::{ElementKind, FaceKind, Mesh, shape};
+use pneuflex_mesh::family::ElementFamily;
+use pneuflex_mesh::{Mesh, shape};
 
 /// Nodes and elements that can be divided into tetrahedra.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Body {
-    /// Element family: never the serendipity hexahedron.
-    pub kind: ElementKind,
+    /// Element family: one that can be divided.
+    pub family: &'static ElementFamily,
     /// Reference positions, mm: the mesh's nodes in their order, then the added ones.
     pub nodes: Vec<[f64; 3]>,
-    /// Node numbers, `kind.num_nodes()` per element.
+    /// Node numbers, `family.num_nodes()` per element.
     pub connectivity: Vec<u32>,
     /// The added nodes as weighted sums of the mesh's.
     added: Vec<Vec<(u32, f64)>>,
 }
 
 impl Body {
-    /// The body of a mesh. `hex20` elements get nodes in their faces and centres, where their shape functions have the
+    /// The body of a mesh. Elements that lack nodes in their faces and centres (`hex20`) get them, where their shape functions have the
     /// element's own position; all other families stay as they are.
     pub fn new(mesh: &Mesh) -> Self {
         let mut body = Self {
-            kind: mesh.kind,
+            family: mesh.kind.family(),
             nodes: mesh.nodes.clone(),
             connectivity: mesh.connectivity.clone(),
             added: Vec::new(),
         };
-        if mesh.kind == ElementKind::Hex20 {
+        if let Some(family) = mesh.kind.completed_by {
+            body.family = family();
             body.complete(mesh);
         }
         body
     }
 
     fn complete(&mut self, mesh: &Mesh) {
-        self.kind = ElementKind::Hex27;
         self.connectivity.clear();
-        let face_weights = shape::evaluate_face(FaceKind::Quad8, [0.0; 2]).values;
-        let (centre_weights, _) = shape::tabulate(ElementKind::Hex20, [0.0; 3]);
-        // Two elements share the node of a face, which is known by its least and its greatest corners.
-        let mut in_faces: BTreeMap<[u32; 4], u32> = BTreeMap::new();
+        let (centre_weights, _) = shape::tabulate(mesh.kind, mesh.kind.centre());
+        // Two elements share the node of a face, which is known by its corners.
+        let mut in_faces: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         for element in 0..mesh.num_elements() {
             let own = mesh.element(element);
             self.connectivity.extend(own);
             for face in 0..mesh.kind.num_faces() {
                 let nodes: Vec<u32> = mesh.kind.face_nodes(face).iter().map(|&n| own[n]).collect();
-                let mut key = [nodes[0], nodes[1], nodes[2], nodes[3]];
+                let kind = mesh.kind.face_kind(face);
+                let mut key = nodes[..kind.num_corners()].to_vec();
                 key.sort_unstable();
                 let node = match in_faces.get(&key) {
                     Some(&node) => node,
-                    None => self.add(nodes.iter().copied().zip(face_weights).collect()),
+                    None => {
+                        let weights = shape::evaluate_face(kind, kind.centre()).values;
+                        self.add(nodes.iter().copied().zip(weights).collect())
+                    }
                 };
                 in_faces.insert(key, node);
                 self.connectivity.push(node);
@@ -88,11 +92,11 @@ mod tests {
 
     #[test]
     fn the_tetrahedra_of_every_family_add_up_to_the_mesh() {
-        for formulation in [Formulation::Hex8Sri, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        for formulation in Formulation::ALL {
             let mesh = two_chambers(formulation).mesh;
             let body = Body::new(&mesh);
-            let parts = tetrahedra(body.kind);
-            let sum: f64 = (body.connectivity.chunks(body.kind.num_nodes()))
+            let parts = tetrahedra(body.family);
+            let sum: f64 = (body.connectivity.chunks(body.family.num_nodes()))
                 .flat_map(|element| parts.iter().map(move |part| part.map(|n| element[usize::from(n)])))
                 .map(|part| volume(part.map(|n| body.nodes[n as usize])))
                 .sum();

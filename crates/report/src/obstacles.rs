@@ -121,7 +121,7 @@ impl Passed {
         nodes.iter().for_each(|&x| add_both(x, at_rest));
         for state in report.states.into_iter().flatten() {
             let offset = obstacle.offset(state.time);
-            for (x, u) in nodes.iter().zip(state.displacement.chunks_exact(3)) {
+            for (x, u) in nodes.iter().zip(&state.displacement) {
                 add_both(std::array::from_fn(|d| x[d] + u[d]), offset);
             }
         }

@@ -1,68 +1,32 @@
 //! Elements as tetrahedra through all their nodes.
 //!
-//! Hexahedra are divided along Kuhn's paths ([`pneuflex_mesh::kuhn`]), the triquadratic one as its eight parts; the quadratic
-//! tetrahedron into the four at its corners and four around a diagonal of the octahedron between them. Neighbours of one
-//! lattice are cut alike on the face they share, so that sections have no cracks. The serendipity hexahedron has no nodes in
-//! its faces and is completed to the triquadratic one first ([`crate::body`]).
+//! Each family says how it is divided ([`ElementFamily::tetrahedra`]). Neighbours of one lattice are cut alike on the face they share, so
+//! that sections have no cracks. The serendipity hexahedron has no nodes in its faces and is completed to the triquadratic one first
+//! ([`crate::body`]).
 
+use pneuflex_mesh::family::ElementFamily;
 use pneuflex_mesh::mesh::determinant;
-use pneuflex_mesh::{ElementKind, kuhn};
 
 /// Local nodes of a tetrahedron with positive volume.
 pub type Tetrahedron = [u8; 4];
 
-/// Local nodes of the tetrahedra that an element is divided into.
-///
-/// # Panics
-/// For [`ElementKind::Hex20`], which has to be completed first.
-pub fn tetrahedra(kind: ElementKind) -> Vec<Tetrahedron> {
-    let mut parts = match kind {
-        ElementKind::Hex8 => hexahedron(kind, 1),
-        ElementKind::Hex27 => hexahedron(kind, 2),
-        ElementKind::Tet10 => vec![
-            [0, 4, 6, 7],
-            [1, 5, 4, 8],
-            [2, 6, 5, 9],
-            [3, 7, 9, 8],
-            [4, 9, 5, 6],
-            [4, 9, 6, 7],
-            [4, 9, 7, 8],
-            [4, 9, 8, 5],
-        ],
-        ElementKind::Hex20 => panic!("hex20 is divided as a hex27"),
-    };
-    let nodes = kind.reference_nodes();
+/// Local nodes of the tetrahedra that an element is divided into; none for a family that has to be completed first.
+pub fn tetrahedra(family: &ElementFamily) -> Vec<Tetrahedron> {
+    let mut parts = family.tetrahedra.map_or_else(Vec::new, |tetrahedra| tetrahedra());
     for part in &mut parts {
-        if volume(part.map(|n| nodes[usize::from(n)])) < 0.0 {
+        if volume(part.map(|n| family.nodes[usize::from(n)])) < 0.0 {
             part.swap(2, 3);
         }
     }
     parts
 }
 
-/// Six tetrahedra in each of `parts`³ equal parts of a hexahedron whose nodes are the corners of these parts.
-fn hexahedron(kind: ElementKind, parts: usize) -> Vec<Tetrahedron> {
-    let nodes = kind.reference_nodes();
-    let local = |place: [usize; 3]| {
-        let xi = place.map(|i| 2.0 * i as f64 / parts as f64 - 1.0);
-        nodes.iter().position(|node| *node == xi).expect("every corner of a part is a node") as u8
-    };
-    let corner = |n: usize| [n % parts, n / parts % parts, n / parts / parts];
-    (0..parts.pow(3))
-        .flat_map(|part| {
-            kuhn::node_offsets().map(|offsets| {
-                std::array::from_fn(|i| local(std::array::from_fn(|d| corner(part)[d] + offsets[i][d] / 2)))
-            })
-        })
-        .collect()
-}
-
 /// Local triangles of every face of an element, those of its tetrahedra, with normals that point out of the element.
-pub fn face_triangles(kind: ElementKind) -> Vec<Vec<[u8; 3]>> {
-    let parts = tetrahedra(kind);
-    (0..kind.num_faces())
+pub fn face_triangles(family: &ElementFamily) -> Vec<Vec<[u8; 3]>> {
+    let parts = tetrahedra(family);
+    (0..family.num_faces())
         .map(|face| {
-            let on_face = |n: &u8| kind.face_nodes(face).contains(&usize::from(*n));
+            let on_face = |n: &u8| family.face_nodes(face).contains(&usize::from(*n));
             let sides = |&[a, b, c, d]: &Tetrahedron| [[a, c, b], [a, b, d], [b, c, d], [a, d, c]];
             parts.iter().flat_map(sides).filter(|triangle| triangle.iter().all(on_face)).collect()
         })
@@ -78,6 +42,7 @@ pub fn volume(corners: [[f64; 3]; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex_mesh::ElementKind;
 
     const KINDS: [(ElementKind, usize, f64); 3] =
         [(ElementKind::Hex8, 6, 8.0), (ElementKind::Hex27, 48, 8.0), (ElementKind::Tet10, 8, 1.0 / 6.0)];
@@ -85,7 +50,7 @@ mod tests {
     #[test]
     fn the_parts_fill_the_element_and_use_every_node() {
         for (kind, count, expected) in KINDS {
-            let (nodes, parts) = (kind.reference_nodes(), tetrahedra(kind));
+            let (nodes, parts) = (kind.nodes, tetrahedra(kind.family()));
             assert_eq!(parts.len(), count);
             let volumes: Vec<f64> = parts.iter().map(|part| volume(part.map(|n| nodes[usize::from(n)]))).collect();
             // Equal parts: none overlaps another if together they fill the element.
@@ -100,8 +65,8 @@ mod tests {
     #[test]
     fn the_faces_are_a_closed_surface_around_the_element() {
         for (kind, _, expected) in KINDS {
-            let nodes = kind.reference_nodes();
-            let faces = face_triangles(kind);
+            let nodes = kind.nodes;
+            let faces = face_triangles(kind.family());
             let per_face = match kind {
                 ElementKind::Hex8 => 2,
                 ElementKind::Hex27 => 8,

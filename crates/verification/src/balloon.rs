@@ -135,7 +135,7 @@ fn follow(formulation: Formulation, material: Material, cells: [usize; 2], contr
     let settings = Solver { first_step: 0.05, max_step: 0.2, min_step: 1e-4, ..Solver::default() };
     let mut found = None;
     let mut observer = |event: Event<'_>| {
-        if let Event::Landed(state) = event {
+        if let Event::Converged(state) = event {
             found = Some(state.cavity_pressures[0]);
         }
     };

@@ -8,7 +8,7 @@ use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::{Contact, ContactPair, Formulation, Law, Material, Problem};
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::contact_patch::joined;
 use crate::row::Row;
 
@@ -82,7 +82,8 @@ fn compare(formulation: Formulation, cells: usize) -> Result<Comparison, String>
         displacement(&problem.mesh, |[x, y, z]| [x, y, if near(z, top) { z - way } else { z }])
     });
     let state = last(impose(&problem, stages)?)?;
-    let quarter: f64 = problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| at(&state.reaction, n)[2]).sum();
+    let quarter: f64 =
+        problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| state.reaction[n as usize][2]).sum();
     let force = 4.0 * quarter.abs();
     let modulus = 2.0 * problem.material.shear_modulus();
     let radius = (0.75 * force * RADIUS / modulus).cbrt();
@@ -105,16 +106,15 @@ struct Touching {
     area: f64,
 }
 
-fn touching_points(problem: &Problem, displacement: &[f64]) -> Vec<Touching> {
+fn touching_points(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<Touching> {
     let model = ContactModel::of(problem);
-    let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks_exact(3)))
-        .map(|(x, u)| std::array::from_fn(|k| x[k] + u[k]))
-        .collect();
+    let positions: Vec<[f64; 3]> =
+        (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect();
     let mut touching = Vec::new();
     for block in model.search(&positions) {
         let nodes = &block.nodes[..block.nodes.len() / 2];
         for point in &block.points {
-            let shape = shape::evaluate_face(problem.mesh.face_kind(), point.slave_xi);
+            let shape = shape::evaluate_face(problem.mesh.kind.face_kind(0), point.slave_xi);
             let along =
                 |k: usize| -> f64 { nodes.iter().zip(shape.values).map(|(&n, v)| v * positions[n as usize][k]).sum() };
             touching.push(Touching { distance: along(0).hypot(along(1)), traction: point.traction, area: point.area });

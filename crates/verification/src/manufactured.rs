@@ -6,11 +6,11 @@ use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, re
 use pneuflex_assembly::{Assembler, LocalContribution, Request, Solid, Totals};
 use pneuflex_factor::{Factor, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::lattice::Lattice;
-use pneuflex_mesh::{ElementKind, Mesh, quadrature, shape};
+use pneuflex_mesh::{Mesh, shape, with_num_nodes};
 use pneuflex_model::{Formulation, Material};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, displacement, is_second_order, material};
+use crate::body::{FORMULATIONS, displacement, material};
 use crate::row::Row;
 use crate::yeoh::first_piola_kirchhoff;
 
@@ -30,7 +30,7 @@ type Field = fn([f64; 3]) -> ([f64; 3], [[f64; 3]; 3]);
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
     for element in FORMULATIONS {
-        let coarsest = if is_second_order(element) { 1 } else { 2 };
+        let coarsest = if element.is_second_order { 1 } else { 2 };
         let meshes = if element == Formulation::Tet10 { [4, 6, 9] } else { [1, 2, 4].map(|r| r * coarsest) };
         let degree = match element {
             Formulation::Hex20 | Formulation::Hex27 => 2.0,
@@ -105,46 +105,28 @@ fn body_force(m: &Material, field: Field, x: [f64; 3]) -> [f64; 3] {
     force
 }
 
-/// A rule good enough for loads and norms.
-fn fine_rule(kind: ElementKind) -> Vec<([f64; 3], f64)> {
-    if kind != ElementKind::Tet10 {
-        return quadrature::hexahedron(4);
-    }
-    // The cube collapsed onto the simplex.
-    let collapse = |(x, w): ([f64; 3], f64)| {
-        let [s, t, u] = x.map(|t| 0.5 * (1.0 + t));
-        ([s, t * (1.0 - s), u * (1.0 - s) * (1.0 - t)], 0.125 * w * (1.0 - s).powi(2) * (1.0 - t))
-    };
-    quadrature::hexahedron(4).into_iter().map(collapse).collect()
-}
-
 /// Relative errors of the displacement and of its gradient.
 fn errors(element: Formulation, material: &Material, field: Field, cells: usize) -> Result<[f64; 2], String> {
     let mesh = Lattice::uniform([0.0; 3], [1.0; 3], [cells; 3]).mesh_all(element.element_kind());
     let is_boundary: Vec<bool> =
         mesh.nodes.iter().flat_map(|x| [x.iter().any(|t| *t == 0.0 || *t == 1.0); 3]).collect();
-    let mesh = mesh.map_nodes(|[x, y, z]| {
+    let mesh = Arc::new(mesh.map_nodes(|[x, y, z]| {
         [x + 0.08 * (2.0 * y + z).sin(), y + 0.06 * (1.5 * z).cos() * x, z + 0.07 * (1.7 * x - y).sin()]
-    });
+    }));
     let start = displacement(&mesh, |x| field(x).0);
-    match element.element_kind() {
-        ElementKind::Hex8 => solve::<8>(&mesh, element, material, field, start, &is_boundary),
-        ElementKind::Hex20 => solve::<20>(&mesh, element, material, field, start, &is_boundary),
-        ElementKind::Hex27 => solve::<27>(&mesh, element, material, field, start, &is_boundary),
-        ElementKind::Tet10 => solve::<10>(&mesh, element, material, field, start, &is_boundary),
-    }
+    with_num_nodes!(element.element, N => solve::<N>(&mesh, element, material, field, start, &is_boundary))
 }
 
 /// Newton's method from the nodal values of the field, then its errors.
 fn solve<const N: usize>(
-    mesh: &Mesh,
+    mesh: &Arc<Mesh>,
     element: Formulation,
     material: &Material,
     field: Field,
     mut u: Vec<[f64; 3]>,
     held: &[bool],
 ) -> Result<[f64; 2], String> {
-    let points = tabulate(mesh.kind, fine_rule(mesh.kind));
+    let points = tabulate(mesh.kind, (mesh.kind.fine_rule)());
     let values: Vec<Vec<f64>> = points.iter().map(|point| shape::tabulate(mesh.kind, point.xi).0).collect();
     let mut load = vec![[0.0; 3]; mesh.num_nodes()];
     for_each_point::<N>(mesh, &points, &values, |nodes, _, volume, position, values| {
@@ -185,14 +167,14 @@ fn solve<const N: usize>(
 
 /// Newton's method under nodal forces, N, with the mixed linearisation.
 fn newton(
-    mesh: &Mesh,
+    mesh: &Arc<Mesh>,
     element: Formulation,
     material: &Material,
     load: &[[f64; 3]],
     held: &[bool],
     u: &mut [[f64; 3]],
 ) -> Result<(), String> {
-    let mut solid = Solid::new(mesh, element, material).map_err(|e| e.to_string())?;
+    let mut solid = Solid::new(Arc::clone(mesh), element, material).map_err(|e| e.to_string())?;
     let mut assembler = Assembler::new(mesh.num_nodes(), &[&solid as &dyn LocalContribution], &[]);
     let symbolic = Symbolic::analyze(assembler.pattern(), Ordering::default()).map_err(|e| e.to_string())?;
     let mut factor = Factor::<3>::new(Arc::new(symbolic));
@@ -264,8 +246,9 @@ mod tests {
 
     #[test]
     fn the_fine_rule_fills_the_tetrahedron() {
-        let sum =
-            |f: fn([f64; 3]) -> f64| -> f64 { fine_rule(ElementKind::Tet10).iter().map(|&(x, w)| w * f(x)).sum() };
+        let sum = |f: fn([f64; 3]) -> f64| -> f64 {
+            (pneuflex_mesh::ElementKind::Tet10.fine_rule)().iter().map(|&(x, w)| w * f(x)).sum()
+        };
         assert!(
             (sum(|_| 1.0) - 1.0 / 6.0).abs() < 1e-14 && (sum(|[x, y, z]| x * x * y * z) - 2.0 / 5040.0).abs() < 1e-14
         );

@@ -8,7 +8,7 @@ use pneuflex_mesh::{ElementKind, Facet, Mesh};
 use pneuflex_model::{Formulation, MPA_PER_KPA, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, hold, inflate, is_second_order, material, near};
+use crate::body::{FORMULATIONS, body, hold, inflate, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -32,7 +32,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         let meshes: [[usize; 2]; 3] = match element {
             // On its coarsest mesh hex27 is accidentally better than its order.
             Formulation::Tet10 | Formulation::Hex27 => [[2, 2], [3, 3], [4, 4]],
-            _ if is_second_order(element) => [[1, 1], [2, 2], [4, 4]],
+            _ if element.is_second_order => [[1, 1], [2, 2], [4, 4]],
             _ => [[2, 2], [4, 4], [8, 8]],
         };
         let order = match element {
@@ -67,7 +67,7 @@ fn inner_displacement(formulation: Formulation, cells: [usize; 2], widening: f64
     let problem = sphere(formulation, material, cells);
     let (node, _) = problem.mesh.nearest_node([RADII[0], 0.0, 0.0]).ok_or("no node")?;
     let state = inflate(&problem, kpa)?;
-    Ok([state.displacement[3 * node], exact])
+    Ok([state.displacement[node][0], exact])
 }
 
 /// Pressure, MPa, at a displacement of the inner surface, mm.

@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, at, body, displacement, hold, impose, is_second_order, last, material, near};
+use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -27,7 +27,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         // Cells across and along.
         let meshes: [[usize; 2]; 3] = match element {
             Formulation::Tet10 => [[4, 2], [6, 3], [8, 4]],
-            _ if is_second_order(element) => [[2, 1], [4, 2], [6, 3]],
+            _ if element.is_second_order => [[2, 1], [4, 2], [6, 3]],
             _ => [[4, 2], [8, 4], [12, 6]],
         };
         let order = match element {
@@ -100,7 +100,7 @@ fn torque_and_force(problem: &Problem, twist: f64) -> Result<[f64; 2], String> {
     let state = last(impose(problem, stages)?)?;
     let mut sums = [0.0; 2];
     for node in problem.mesh.select_nodes(|x| near(x[2], 1.0)) {
-        let (u, force) = (at(&state.displacement, node), at(&state.reaction, node));
+        let (u, force) = (state.displacement[node as usize], state.reaction[node as usize]);
         let [x, y]: [f64; 2] = std::array::from_fn(|k| problem.mesh.nodes[node as usize][k] + u[k]);
         sums[0] += x * force[1] - y * force[0];
         sums[1] += force[2];

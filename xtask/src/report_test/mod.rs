@@ -10,6 +10,7 @@ mod checks;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::sync::Arc;
 
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{Case, Problem};
@@ -26,7 +27,7 @@ struct Results {
     folder: PathBuf,
     summary: Value,
     /// The mesh of an actuator.
-    mesh: Option<Mesh>,
+    mesh: Option<Arc<Mesh>>,
 }
 
 /// Runs the test on two chambers, or on the result folder that is named.
@@ -123,7 +124,7 @@ impl Results {
     }
 
     fn mesh(&self) -> Result<&Mesh, String> {
-        self.mesh.as_ref().ok_or_else(|| "the results are no actuator's".to_owned())
+        self.mesh.as_deref().ok_or_else(|| "the results are no actuator's".to_owned())
     }
 }
 

@@ -29,7 +29,7 @@ pub struct Figure {
 /// A drawn state: displacements and nodal von Mises stress.
 struct State<'a> {
     solution: &'a Solution,
-    displacement: Vec<f64>,
+    displacement: Vec<[f64; 3]>,
     von_mises: Vec<f64>,
 }
 

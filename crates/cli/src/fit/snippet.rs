@@ -18,15 +18,6 @@ pub fn material(comments: &[String], law: &Law, bulk_modulus: f64, bulk_comment:
     )
 }
 
-/// The initial shear modulus in the constants of a law.
-pub fn shear_modulus_in_words(law: &Law) -> &'static str {
-    match law {
-        Law::Yeoh { .. } | Law::NeoHooke { .. } => "2 c10",
-        Law::Polynomial { .. } => "2 (c10 + c01)",
-        Law::Ogden { .. } => "the sum of mu",
-    }
-}
-
 /// To six significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)

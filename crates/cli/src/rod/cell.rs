@@ -16,7 +16,7 @@
 
 use pneuflex_mesh::Actuator;
 use pneuflex_model::{Case, ContactMethod, Problem, Solver, Support};
-use pneuflex_newton::{Event, LandedState, Path};
+use pneuflex_newton::{ConvergedState, Path};
 use pneuflex_post::penetration;
 use pneuflex_rod::identify::{ContactSample, FreeSample, Samples, StiffnessSample, TouchSample};
 
@@ -89,9 +89,8 @@ pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, Strin
     }
 
     let held = problem_with_held_end(&problem);
-    let bent: Vec<&LandedState> = free.iter().filter(|s| BENT_KPA.contains(&s.time)).collect();
-    let mut observer = |_: Event<'_>| {};
-    let mut path = Path::new(&held, &case.solver, &mut observer).map_err(|e| e.to_string())?;
+    let bent: Vec<&ConvergedState> = free.iter().filter(|s| BENT_KPA.contains(&s.time)).collect();
+    let mut path = Path::new(&held, &case.solver).map_err(|e| e.to_string())?;
     for state in &bent {
         progress(&format!("cell at {} kPa: bending stiffness", state.time));
         let mut end = End::follow(&mut path, &held, &problem, state)?;
@@ -118,10 +117,9 @@ pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, Strin
 }
 
 /// Equilibria of the cell under pressure alone.
-fn free_states(problem: &Problem, settings: &Solver) -> Result<Vec<LandedState>, String> {
-    let mut observer = |_: Event<'_>| {};
-    let mut path = Path::new(problem, settings, &mut observer).map_err(|e| e.to_string())?;
-    FREE_KPA.iter().map(|&p| path.advance_to(p).map_err(|e| e.to_string())).collect()
+fn free_states(problem: &Problem, settings: &Solver) -> Result<Vec<ConvergedState>, String> {
+    let mut path = Path::new(problem, settings).map_err(|e| e.to_string())?;
+    FREE_KPA.iter().map(|&p| path.advance_to(p, &mut |_| ()).map_err(|e| e.to_string())).collect()
 }
 
 /// The same with the end of the base held along x and z.
@@ -154,7 +152,7 @@ impl Gauge {
     }
 
     /// Curvature of the bottom, 1/mm, positive downwards.
-    fn curvature(&self, problem: &Problem, displacement: &[f64]) -> Result<f64, String> {
+    fn curvature(&self, problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, String> {
         let angles = self.stations.map(|x| section_angle(problem, displacement, x, self.base));
         let [Some(a), Some(b)] = angles else {
             return Err("the mesh does not reach the chambers' middles".into());
@@ -163,7 +161,7 @@ impl Gauge {
     }
 
     /// Change in length of the bottom between the stations, as a share.
-    fn stretch(&self, problem: &Problem, displacement: &[f64]) -> f64 {
+    fn stretch(&self, problem: &Problem, displacement: &[[f64; 3]]) -> f64 {
         let points: Vec<[f64; 3]> = bottom(problem, displacement);
         let inside = |p: &&[[f64; 3]]| {
             let middle = 0.5 * (p[0][0] + p[1][0]);
@@ -178,14 +176,14 @@ impl Gauge {
 }
 
 /// Bottom centreline from the clamp on: reference x, deformed x and z, mm.
-pub fn bottom(problem: &Problem, displacement: &[f64]) -> Vec<[f64; 3]> {
+pub fn bottom(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mesh = &problem.mesh;
     let mut points: Vec<[f64; 3]> = mesh
         .node_set("bottom_centreline")
         .iter()
         .map(|&n| {
             let (n, at) = (n as usize, mesh.nodes[n as usize]);
-            [at[0], at[0] + displacement[3 * n], at[2] + displacement[3 * n + 2]]
+            [at[0], at[0] + displacement[n][0], at[2] + displacement[n][2]]
         })
         .collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -194,7 +192,7 @@ pub fn bottom(problem: &Problem, displacement: &[f64]) -> Vec<[f64; 3]> {
 
 /// Rotation of the base's cross-section at a reference x, rad, positive downwards: the best-fitting one of its nodes about
 /// their centroid. Where there are no nodes, that of the sections to either side by their distance. `None` beyond the mesh.
-pub fn section_angle(problem: &Problem, displacement: &[f64], x: f64, base: f64) -> Option<f64> {
+pub fn section_angle(problem: &Problem, displacement: &[[f64; 3]], x: f64, base: f64) -> Option<f64> {
     let lines = bottom(problem, displacement);
     let tolerance = 1e-6 * lines.last()?[0];
     let before = lines.iter().map(|p| p[0]).rfind(|at| *at <= x + tolerance)?;
@@ -208,25 +206,25 @@ pub fn section_angle(problem: &Problem, displacement: &[f64], x: f64, base: f64)
 }
 
 /// The held end of the cell: a plane moved by two shifts (mm) and a rotation (rad, positive downwards) about its bottom.
-struct End<'a, 'b> {
-    path: &'a mut Path<'b>,
+struct End<'a> {
+    path: &'a mut Path,
     problem: &'a Problem,
     motion: [f64; 3],
     /// Forces along x and z (N) and moment (N·mm) on the modelled half at the motion.
     load: [f64; 3],
-    state: LandedState,
+    state: ConvergedState,
 }
 
-impl<'a, 'b> End<'a, 'b> {
+impl<'a> End<'a> {
     /// Brings the held cell to the pressure and the end of a free one.
     fn follow(
-        path: &'a mut Path<'b>,
+        path: &'a mut Path,
         problem: &'a Problem,
         free_problem: &Problem,
-        free: &LandedState,
+        free: &ConvergedState,
     ) -> Result<Self, String> {
         let motion = best_motion(free_problem, free_problem.mesh.node_set("end_face"), &free.displacement);
-        let state = path.advance_to(free.time).map_err(|e| e.to_string())?;
+        let state = path.advance_to(free.time, &mut |_| ()).map_err(|e| e.to_string())?;
         let mut end = Self { path, problem, motion: [0.0; 3], load: [0.0; 3], state };
         end.move_to(motion)?;
         Ok(end)
@@ -238,13 +236,14 @@ impl<'a, 'b> End<'a, 'b> {
         for &node in mesh.node_set("end_face") {
             held[node as usize] = place(mesh.nodes[node as usize], self.origin(), motion).0;
         }
-        self.state = self.path.impose(&held).map_err(|e| format!("the cell's end could not be moved: {e}"))?;
+        self.state =
+            self.path.impose(&held, &mut |_| ()).map_err(|e| format!("the cell's end could not be moved: {e}"))?;
         self.motion = motion;
         self.load = [0.0; 3];
         for &node in mesh.node_set("end_face") {
             let (_, by_turn) = place(mesh.nodes[node as usize], self.origin(), motion);
-            let n = 3 * node as usize;
-            let force = [self.state.reaction[n], self.state.reaction[n + 2]];
+            let [x, _, z] = self.state.reaction[node as usize];
+            let force = [x, z];
             self.load[0] += force[0];
             self.load[1] += force[1];
             self.load[2] += force[0] * by_turn[0] + force[1] * by_turn[1];
@@ -311,13 +310,12 @@ impl<'a, 'b> End<'a, 'b> {
 fn bend_back(
     held: &Problem,
     free_problem: &Problem,
-    states: &[&LandedState],
+    states: &[&ConvergedState],
     settings: &Solver,
     gauge: &Gauge,
     samples: &mut Samples,
 ) -> Result<(), String> {
-    let mut observer = |_: Event<'_>| {};
-    let mut path = Path::new(held, settings, &mut observer).map_err(|e| e.to_string())?;
+    let mut path = Path::new(held, settings).map_err(|e| e.to_string())?;
     let Some((last, before)) = states.split_last() else { return Ok(()) };
     // On the way the end follows the free one: with it held straight the cell would not bear the higher pressures.
     for state in before {
@@ -392,13 +390,13 @@ fn place(at: [f64; 3], origin: [f64; 2], [x, z, turn]: [f64; 3]) -> ([f64; 3], [
 }
 
 /// The motion of a plane across x that comes closest to that of some of its nodes.
-fn best_motion(problem: &Problem, nodes: &[u32], displacement: &[f64]) -> [f64; 3] {
+fn best_motion(problem: &Problem, nodes: &[u32], displacement: &[[f64; 3]]) -> [f64; 3] {
     let mesh = &problem.mesh;
     let n = nodes.len().max(1) as f64;
     let mean = |component: usize, deformed: bool| {
         let value = |&node: &u32| {
             let (node, d) = (node as usize, component);
-            mesh.nodes[node][d] + if deformed { displacement[3 * node + d] } else { 0.0 }
+            mesh.nodes[node][d] + if deformed { displacement[node][d] } else { 0.0 }
         };
         nodes.iter().map(value).sum::<f64>() / n
     };
@@ -406,7 +404,7 @@ fn best_motion(problem: &Problem, nodes: &[u32], displacement: &[f64]) -> [f64; 
     let (mut sine, mut cosine) = (0.0, 0.0);
     for &node in nodes {
         let node = node as usize;
-        let (x, u) = (mesh.nodes[node], &displacement[3 * node..3 * node + 3]);
+        let (x, u) = (mesh.nodes[node], displacement[node]);
         let a = [x[0] - before[0], x[2] - before[1]];
         let b = [x[0] + u[0] - after[0], x[2] + u[2] - after[1]];
         sine += a[0] * b[1] - a[1] * b[0];
@@ -450,7 +448,7 @@ mod tests {
         )
         .unwrap();
         let motion = [0.3, -0.7, 0.4];
-        let u: Vec<f64> = problem.mesh.nodes.iter().flat_map(|&x| place(x, [18.0, 0.0], motion).0).collect();
+        let u: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|&x| place(x, [18.0, 0.0], motion).0).collect();
         for (found, expected) in best_motion(&problem, problem.mesh.node_set("end_face"), &u).into_iter().zip(motion) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
@@ -477,12 +475,10 @@ mod tests {
         // A breath of air from below: the pressure inside has next to nothing to push at.
         problem.cavities[0].facets = problem.mesh.facet_set("bottom").to_vec();
         let settings = Solver::default();
-        let mut observer = |_: Event<'_>| {};
         let pressure_kpa = 1e-3;
-        let free = Path::new(&problem, &settings, &mut observer).unwrap().advance_to(pressure_kpa).unwrap();
+        let free = Path::new(&problem, &settings).unwrap().advance_to(pressure_kpa, &mut |_| ()).unwrap();
         let held = problem_with_held_end(&problem);
-        let mut observer = |_: Event<'_>| {};
-        let mut path = Path::new(&held, &settings, &mut observer).unwrap();
+        let mut path = Path::new(&held, &settings).unwrap();
         let mut end = End::follow(&mut path, &held, &problem, &free).unwrap();
         let found = end.stiffness(&Gauge::new(&actuator)).unwrap();
         let expected = modulus * 2.0 * 4.08_f64.powi(3) / 12.0;

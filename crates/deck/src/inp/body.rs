@@ -101,7 +101,7 @@ impl Body {
             facet_sets: BTreeMap::new(),
             element_sets: BTreeMap::new(),
         };
-        if family == Family::Tet4 {
+        if family.is_linear {
             add_mid_edge_nodes(&mut mesh);
         }
         let lone_nodes: BTreeSet<Number> =

@@ -244,7 +244,7 @@ pub(super) fn read_equations(
             found.extend(equations);
         }
     }
-    if let (Some(item), true) = (outline.of("EQUATION").next(), body.family == super::element_types::Family::Tet4) {
+    if let (Some(item), true) = (outline.of("EQUATION").next(), body.family.is_linear) {
         context.note(
             item.block.place,
             "*EQUATION binds the nodes that it names; mid-edge nodes that were added stay free",

@@ -29,7 +29,6 @@ use crate::report::{DeckError, Note, Place, Report};
 use crate::syntax::{Block, Include, Sources, parse_into};
 use body::Body;
 use context::Context;
-use element_types::Family;
 use loads::Loads;
 use materials::Materials;
 use outline::Outline;
@@ -112,10 +111,10 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     if context.report.has_errors() {
         return None;
     }
-    let mid_edges = (body.family == Family::Tet4).then(|| MidEdges::new(&body.mesh));
+    let mid_edges = body.family.is_linear.then(|| MidEdges::new(&body.mesh));
     let mut problem = Problem::body(
         mesh(&body, &sets, mid_edges.as_ref()),
-        body.family.formulation(),
+        body.family.formulation,
         regions.first()?.material.clone(),
     );
     problem.clock = Clock::Steps;
@@ -190,9 +189,8 @@ fn mesh(body: &Body, sets: &AllSets, mid_edges: Option<&MidEdges>) -> Mesh {
 
 /// Penalty for hard contact on faces, N/mm³: from the stiffest of the materials, for the faces' mean size.
 fn hard_stiffness(body: &Body, materials: &Materials, facets: &[Facet]) -> f64 {
-    let corners = body.mesh.face_kind().num_corners();
     let size = |facet: &Facet| {
-        let nodes = body.mesh.facet_nodes(*facet);
+        let (nodes, corners) = (body.mesh.facet_nodes(*facet), body.mesh.face_kind(*facet).num_corners());
         let [a, b] = [nodes[0], nodes[corners - 1]].map(|node| body.mesh.nodes[node as usize]);
         (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
     };

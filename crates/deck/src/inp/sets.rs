@@ -209,8 +209,10 @@ impl AllSets {
                 Err(why) => context.error(line.place, why),
             }
         }
-        let corners = body.mesh.face_kind().num_corners();
-        let is_named = |facet: &Facet| body.mesh.facet_nodes(*facet)[..corners].iter().all(|node| nodes.contains(node));
+        let is_named = |facet: &Facet| {
+            let corners = body.mesh.face_kind(*facet).num_corners();
+            body.mesh.facet_nodes(*facet)[..corners].iter().all(|node| nodes.contains(node))
+        };
         let facets: Vec<Facet> = body.mesh.boundary_facets().into_iter().filter(is_named).collect();
         let text = format!(
             "surface {name}, {} nodes, is taken as the {} free faces that have all their corners among them",

@@ -1,93 +1,65 @@
 //! Gmsh's element types and their order of nodes.
 
-use pneuflex_mesh::ElementKind;
+use pneuflex_mesh::{ElementKind, FaceKind};
 
 /// An element that fills volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Solid {
-    Hex8,
-    Hex20,
-    Hex27,
-    Tet10,
-    /// Gets mid-edge nodes.
-    Tet4,
+pub(super) struct Solid {
+    /// Our family.
+    pub kind: ElementKind,
+    /// Whether there are the corners alone, which get the other nodes.
+    pub is_linear: bool,
 }
 
-/// Gmsh's node for each of ours. Both begin with the same corners.
-const HEX20: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
-const HEX27: [usize; 27] =
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];
-const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
+/// A point, lines with two and three nodes, and a triangle with three: pieces of the surface of elements that have more nodes, too.
+const POINT: i32 = 15;
+const LINE2: i32 = 1;
+const LINE3: i32 = 8;
+const TRI3: i32 = 2;
 
 impl Solid {
     /// By Gmsh's number of the type; `None` for surfaces, curves and points.
-    pub const fn of_type(kind: i32) -> Option<Self> {
-        Some(match kind {
-            4 => Self::Tet4,
-            5 => Self::Hex8,
-            11 => Self::Tet10,
-            12 => Self::Hex27,
-            17 => Self::Hex20,
-            _ => return None,
-        })
-    }
-
-    /// Our family; linear tetrahedra become quadratic ones.
-    pub const fn kind(self) -> ElementKind {
-        match self {
-            Self::Hex8 => ElementKind::Hex8,
-            Self::Hex20 => ElementKind::Hex20,
-            Self::Hex27 => ElementKind::Hex27,
-            Self::Tet10 | Self::Tet4 => ElementKind::Tet10,
-        }
+    pub fn of_type(number: i32) -> Option<Self> {
+        let is = |kind: &ElementKind| kind.gmsh.number == number || kind.gmsh.linear_number == Some(number);
+        let kind = ElementKind::ALL.into_iter().find(is)?;
+        Some(Self { kind, is_linear: kind.gmsh.number != number })
     }
 
     /// In words.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Hex8 => "hexahedra with 8 nodes",
-            Self::Hex20 => "hexahedra with 20 nodes",
-            Self::Hex27 => "hexahedra with 27 nodes",
-            Self::Tet10 => "tetrahedra with 10 nodes",
-            Self::Tet4 => "tetrahedra with 4 nodes",
-        }
+    pub fn words(self) -> String {
+        self.kind.body.words(self.order().len())
     }
 
     /// Gmsh's node for each of ours.
-    pub const fn order(self) -> &'static [usize] {
-        match self {
-            Self::Hex8 => HEX27.split_at(8).0,
-            Self::Hex20 => &HEX20,
-            Self::Hex27 => &HEX27,
-            Self::Tet10 => &TET10,
-            Self::Tet4 => TET10.split_at(4).0,
+    pub fn order(self) -> &'static [usize] {
+        let order = self.kind.family().gmsh.order;
+        if self.is_linear { &order[..self.kind.num_corners()] } else { order }
+    }
+}
+
+fn face_of_type(number: i32) -> Option<FaceKind> {
+    FaceKind::ALL.into_iter().find(|kind| kind.gmsh_type == number)
+}
+
+/// Number of nodes of a supported type: solids, and the surfaces, curves and points that name pieces of their surface.
+pub(super) fn nodes_of_type(number: i32) -> Option<usize> {
+    match number {
+        POINT => Some(1),
+        LINE2 => Some(2),
+        LINE3 | TRI3 => Some(3),
+        _ => {
+            let face = face_of_type(number).map(|kind| kind.num_nodes());
+            face.or_else(|| Solid::of_type(number).map(|solid| solid.order().len()))
         }
     }
 }
 
-/// Number of nodes of a supported type: solids, and the surfaces, curves and points that name pieces of their surface.
-pub(super) const fn nodes_of_type(kind: i32) -> Option<usize> {
-    Some(match kind {
-        15 => 1,
-        1 => 2,
-        2 | 8 => 3,
-        3 => 4,
-        9 => 6,
-        16 => 8,
-        10 => 9,
-        _ => match Solid::of_type(kind) {
-            Some(solid) => solid.order().len(),
-            None => return None,
-        },
-    })
-}
-
 /// Number of corners of a surface's or a curve's element; they come first.
-pub(super) const fn corners_of_type(kind: i32) -> usize {
-    match kind {
-        15 => 1,
-        1 | 8 => 2,
-        2 | 9 => 3,
-        _ => 4,
+pub(super) fn corners_of_type(number: i32) -> usize {
+    match number {
+        POINT => 1,
+        LINE2 | LINE3 => 2,
+        TRI3 => 3,
+        _ => face_of_type(number).map_or(4, |kind| kind.num_corners()),
     }
 }

@@ -90,14 +90,14 @@ fn build(sections: &Sections, report: &mut Report) -> Option<MeshFile> {
         solid.order().iter().map(|&i| numbers[&element.nodes[i]]).collect::<Vec<u32>>()
     };
     let mut mesh = Mesh {
-        kind: solid.kind(),
+        kind: solid.kind,
         nodes,
         connectivity: solids.iter().flat_map(ordered).collect(),
         node_sets: BTreeMap::new(),
         facet_sets: BTreeMap::new(),
         element_sets: BTreeMap::new(),
     };
-    if solid == Solid::Tet4 {
+    if solid.is_linear {
         add_mid_edge_nodes(&mut mesh);
         report.note(
             at(first),
@@ -203,13 +203,11 @@ impl Groups<'_> {
 type Corners<T> = BTreeMap<Vec<u32>, Vec<T>>;
 
 fn faces_by_corners(mesh: &Mesh) -> Corners<Facet> {
-    let corners = mesh.face_kind().num_corners();
     let mut found: Corners<Facet> = BTreeMap::new();
     for element in 0..mesh.num_elements() as u32 {
-        for face in 0..mesh.kind.num_faces() as u8 {
-            let facet = Facet { element, face };
+        for facet in mesh.facets_of(element) {
             let mut key = mesh.facet_nodes(facet);
-            key.truncate(corners);
+            key.truncate(mesh.face_kind(facet).num_corners());
             key.sort_unstable();
             found.entry(key).or_default().push(facet);
         }

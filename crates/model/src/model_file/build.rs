@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use pneuflex_mesh::{Facet, Mesh};
 
-use super::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Series, Steps, SupportTable};
+use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
 use crate::MPA_PER_KPA;
-use crate::case::{CaseError, Contact, ContactMethod, Solver};
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
 use crate::obstacle_table::ObstacleTable;
+use crate::options::{Contact, ContactMethod, Solver};
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
+use crate::range_check::CaseError;
+use crate::series::Series;
 
 /// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
 const STIFFNESS: f64 = 10.0;

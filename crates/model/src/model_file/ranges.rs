@@ -1,8 +1,9 @@
 //! Range checks of a model file that need no mesh.
 
-use super::{Model, Series};
-use crate::case::{CaseError, Problems};
+use super::tables::Model;
 use crate::obstacle_table;
+use crate::range_check::{CaseError, Problems};
+use crate::series::Series;
 
 impl Model {
     /// Every key whose value is out of range, table by table.

@@ -2,6 +2,7 @@
 
 mod newton;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -10,7 +11,7 @@ use pneuflex_factor::Parallelism;
 use pneuflex_model::{Clock, Problem, Solver};
 
 use crate::checkpoint::{Approach, Checkpoint, Misfit};
-use crate::history::{Augmentation, Cause, Event, Failure, LandedState, PathReport, Stability, Timing};
+use crate::history::{Augmentation, Cause, ConvergedState, Event, Failure, PathReport, Stability, Timing};
 use crate::system::{AssembleError, SetupError, System, extent_of};
 
 /// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
@@ -30,10 +31,9 @@ struct State {
 }
 
 /// Follows equilibria of one problem from rest.
-pub struct Path<'a> {
+pub struct Path {
     system: System,
-    settings: &'a Solver,
-    observer: &'a mut dyn FnMut(Event<'_>),
+    settings: Solver,
     begin: Instant,
     state: State,
     /// The factor belongs to the present state's tangent, so it predicts the next one.
@@ -55,11 +55,14 @@ pub struct Path<'a> {
     first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
-    stop: Option<&'a AtomicBool>,
+    stop: Option<Arc<AtomicBool>>,
     /// Largest distance of contact points asked for at requested loads, mm.
     penetration_tolerance: Option<f64>,
     augmentation: Option<Augmentation>,
 }
+
+/// Who is told about everything that happens on a path.
+pub type Observer<'a> = &'a mut dyn FnMut(Event<'_>);
 
 /// How well a load step is to be solved.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -76,16 +79,12 @@ struct Converged {
     iterations: usize,
 }
 
-impl<'a> Path<'a> {
+impl Path {
     /// Starts at rest.
     ///
     /// # Errors
     /// [`SetupError`] if the equations cannot be set up.
-    pub fn new(
-        problem: &Problem,
-        settings: &'a Solver,
-        observer: &'a mut dyn FnMut(Event<'_>),
-    ) -> Result<Self, SetupError> {
+    pub fn new(problem: &Problem, settings: &Solver) -> Result<Self, SetupError> {
         let begin = Instant::now();
         let system = System::new(problem, Parallelism::Threads)?;
         let n = problem.mesh.num_nodes();
@@ -104,8 +103,7 @@ impl<'a> Path<'a> {
         let rounding_per_mm = f64::EPSILON * bulk_modulus * element_size * (n as f64).sqrt();
         Ok(Self {
             system,
-            settings,
-            observer,
+            settings: settings.clone(),
             begin,
             state,
             has_factor: false,
@@ -148,12 +146,12 @@ impl<'a> Path<'a> {
     }
 
     /// Lets the path end with [`Cause::Interrupted`] before the next iteration once `stop` is true.
-    pub fn stop_when(&mut self, stop: &'a AtomicBool) {
+    pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         self.stop = Some(stop);
     }
 
     fn check_stop(&self) -> Result<(), Cause> {
-        match self.stop {
+        match &self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => Err(Cause::Interrupted),
             _ => Ok(()),
         }
@@ -190,7 +188,7 @@ impl<'a> Path<'a> {
     ///
     /// # Errors
     /// [`Failure`] when the step falls below its least size; the present equilibrium is then the last one reached.
-    pub fn advance_to(&mut self, time: f64) -> Result<LandedState, Failure> {
+    pub fn advance_to(&mut self, time: f64, observer: Observer<'_>) -> Result<ConvergedState, Failure> {
         let step = match self.state.time > 0.0 {
             true => self.settings.max_step,
             false => self.settings.first_step.max(self.settings.min_step),
@@ -206,7 +204,7 @@ impl<'a> Path<'a> {
             self.step += 1;
             let mut attempted = wanted;
             let had_factor = self.has_factor;
-            match self.load_step(&mut attempted, time) {
+            match self.load_step(&mut attempted, time, observer) {
                 Ok(converged) => {
                     approach.load_steps += 1;
                     if converged.iterations <= 8 {
@@ -215,22 +213,22 @@ impl<'a> Path<'a> {
                     self.state = converged.state;
                     self.augmentation = None;
                     if let Some(tolerance) = self.penetration_tolerance.filter(|_| attempted == time)
-                        && let Err(cause) = self.augment(tolerance)
+                        && let Err(cause) = self.augment(tolerance, observer)
                     {
                         return Err(self.failure(attempted, cause));
                     }
                     let checkpoint = self.checkpoint(approach);
-                    (self.observer)(Event::StepAccepted(&checkpoint));
+                    observer(Event::StepAccepted(&checkpoint));
                 }
                 Err(Cause::Interrupted) => return Err(self.failure(attempted, Cause::Interrupted)),
                 Err(cause) => {
-                    (self.observer)(Event::StepRejected { step: self.step, time: attempted, cause: &cause });
+                    observer(Event::StepRejected { step: self.step, time: attempted, cause: &cause });
                     self.has_factor = false;
                     approach.step = 0.5 * (attempted - start);
                     if self.state.is_loose {
                         // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
                         self.state.is_loose = false;
-                        self.confirm();
+                        self.confirm(observer);
                         let again = AFTER_POLISHING * (wanted - start);
                         approach.step = approach.step.max(again).max(self.settings.min_step);
                     }
@@ -239,7 +237,7 @@ impl<'a> Path<'a> {
                         approach.step = approach.step.max(self.settings.min_step);
                     }
                     if approach.step < self.settings.min_step {
-                        self.confirm();
+                        self.confirm(observer);
                         return Err(self.failure(attempted, cause));
                     }
                 }
@@ -254,13 +252,13 @@ impl<'a> Path<'a> {
 
     /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
     /// was left of the residual would speak of stability, too.
-    fn confirm(&mut self) {
+    fn confirm(&mut self, observer: Observer<'_>) {
         if self.state.time <= 0.0 {
             return;
         }
         let u = self.state.displacement.clone();
         self.system.carry_pressures(&u);
-        match self.newton(self.state.time, (u, self.state.border.clone()), None, Target::Requested) {
+        match self.newton(self.state.time, (u, self.state.border.clone()), None, Target::Requested, observer) {
             Ok(converged) => {
                 self.state = converged.state;
                 // An equilibrium whose tangent is singular is as unstable as can be told.
@@ -292,9 +290,9 @@ impl<'a> Path<'a> {
     ///
     /// # Errors
     /// As there.
-    pub fn land_on(&mut self, time: f64) -> Result<(), Failure> {
-        let landed = self.advance_to(time)?;
-        (self.observer)(Event::Landed(&landed));
+    pub fn advance_and_tell(&mut self, time: f64, observer: Observer<'_>) -> Result<(), Failure> {
+        let landed = self.advance_to(time, observer)?;
+        observer(Event::Converged(&landed));
         Ok(())
     }
 
@@ -322,25 +320,26 @@ impl<'a> Path<'a> {
     ///
     /// # Errors
     /// The cause, if the step does not converge; there is no halving.
-    pub fn impose(&mut self, held_displacement: &[[f64; 3]]) -> Result<LandedState, Cause> {
+    pub fn impose(&mut self, held_displacement: &[[f64; 3]], observer: Observer<'_>) -> Result<ConvergedState, Cause> {
         let before = self.iterations;
         self.step += 1;
         self.has_factor = false;
         let start = (self.state.displacement.clone(), self.state.border.clone());
         self.system.carry_pressures(&start.0);
-        let converged = self.newton(self.state.time, start, Some(held_displacement.to_vec()), Target::Requested)?;
+        let converged =
+            self.newton(self.state.time, start, Some(held_displacement.to_vec()), Target::Requested, observer)?;
         self.state = converged.state;
         if let Some(tolerance) = self.penetration_tolerance {
-            self.augment(tolerance)?;
+            self.augment(tolerance, observer)?;
         }
         Ok(self.land(self.iterations - before, 1))
     }
 
-    fn land(&self, iterations: usize, load_steps: usize) -> LandedState {
-        LandedState {
+    fn land(&self, iterations: usize, load_steps: usize) -> ConvergedState {
+        ConvergedState {
             time: self.state.time,
-            displacement: self.state.displacement.as_flattened().to_vec(),
-            reaction: self.state.multipliers.iter().map(|lambda| -lambda).collect(),
+            displacement: self.state.displacement.clone(),
+            reaction: self.state.multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
             iterations,
             load_steps,
             contact_points: self.state.contact_points,
@@ -351,11 +350,11 @@ impl<'a> Path<'a> {
     }
 
     /// Solves the present equilibrium to the tolerances once more, with the contact's present multipliers.
-    pub(crate) fn solve_again(&mut self) -> Result<(), Cause> {
+    pub(crate) fn solve_again(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         self.has_factor = false;
         let start = (self.state.displacement.clone(), self.state.border.clone());
         self.system.carry_pressures(&start.0);
-        self.state = self.newton(self.state.time, start, None, Target::Requested)?.state;
+        self.state = self.newton(self.state.time, start, None, Target::Requested, observer)?.state;
         Ok(())
     }
 
@@ -396,7 +395,7 @@ impl From<AssembleError> for Cause {
         match error {
             AssembleError::Local(local) => local.into(),
             AssembleError::Factor(factor) => factor.into(),
-            AssembleError::Contradiction => Self::SingularTangent(error.to_string()),
+            AssembleError::Contradiction => Self::Contradiction,
         }
     }
 }
@@ -404,12 +403,6 @@ impl From<AssembleError> for Cause {
 impl From<pneuflex_assembly::LocalError> for Cause {
     fn from(e: pneuflex_assembly::LocalError) -> Self {
         Self::Inversion { element: e.block, point: e.point, jacobian: e.jacobian }
-    }
-}
-
-impl From<pneuflex_factor::FactorError> for Cause {
-    fn from(error: pneuflex_factor::FactorError) -> Self {
-        Self::SingularTangent(error.to_string())
     }
 }
 
@@ -422,12 +415,12 @@ pub fn follow_path(
     problem: &Problem,
     times: &[f64],
     settings: &Solver,
-    observer: &mut dyn FnMut(Event<'_>),
+    observer: Observer<'_>,
 ) -> Result<PathReport, Box<(Failure, PathReport)>> {
-    let mut path = match Path::new(problem, settings, observer) {
+    let mut path = match Path::new(problem, settings) {
         Ok(path) => path,
         Err(error) => {
-            let cause = Cause::SingularTangent(error.to_string());
+            let cause = Cause::Setup(error);
             let attempted = times.first().copied().unwrap_or(0.0);
             let (stability, clock) = (Stability::default(), problem.clock);
             let failure = Failure { reached: 0.0, attempted, cause, stability, clock };
@@ -435,7 +428,7 @@ pub fn follow_path(
         }
     };
     for &time in times {
-        if let Err(failure) = path.land_on(time) {
+        if let Err(failure) = path.advance_and_tell(time, observer) {
             return Err(Box::new((failure, PathReport { iterations: path.iterations, timing: path.timing() })));
         }
     }

@@ -3,7 +3,7 @@
 use pneuflex_assembly::Request;
 use pneuflex_model::Material;
 
-use super::{Converged, Path, State, Target, add, difference};
+use super::{Converged, Observer, Path, State, Target, add, difference};
 use crate::history::{Cause, Event, IterationRecord};
 use crate::system::Correction;
 use crate::warp::Extent;
@@ -83,11 +83,16 @@ pub(super) fn loose_stretch(materials: &[&Material]) -> f64 {
     LOOSE_STRETCH * LOOSE_RATIO / ratio
 }
 
-impl Path<'_> {
+impl Path {
     /// One load step towards `aim`, a time that becomes the one that is tried: a guess along the tangent, cut short where it
     /// would deform the body too much or drive walls deep into each other, and Newton's method from there, to the end only at the
     /// time asked for.
-    pub(super) fn load_step(&mut self, aim: &mut f64, requested: f64) -> Result<Converged, Cause> {
+    pub(super) fn load_step(
+        &mut self,
+        aim: &mut f64,
+        requested: f64,
+        observer: Observer<'_>,
+    ) -> Result<Converged, Cause> {
         let wanted = *aim;
         let start = self.state.time;
         let (mut u, mut border) = (self.state.displacement.clone(), self.state.border.clone());
@@ -126,9 +131,9 @@ impl Path<'_> {
         let time = if share < 1.0 { start + share * (wanted - start) } else { wanted };
         *aim = time;
         let target = if time == requested { Target::Requested } else { Target::OnTheWay };
-        (self.observer)(Event::StepStarted { step: self.step, time });
+        observer(Event::StepStarted { step: self.step, time });
         let held = self.moving.as_ref().map(|problem| problem.held_displacement(time));
-        let mut converged = self.newton(time, (u, border), held, target)?;
+        let mut converged = self.newton(time, (u, border), held, target, observer)?;
         converged.iterations += iterations;
         Ok(converged)
     }
@@ -148,6 +153,7 @@ impl Path<'_> {
         (mut u, mut border): (Vec<[f64; 3]>, Vec<f64>),
         held: Option<Vec<[f64; 3]>>,
         target: Target,
+        observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
         let mut multipliers = self.state.multipliers.clone();
         let load = self.system.load_norm(&u, time, &border).max(f64::MIN_POSITIVE);
@@ -207,7 +213,7 @@ impl Path<'_> {
                 negative_pivots,
                 elapsed_s: self.spent.total_s + self.begin.elapsed().as_secs_f64(),
             };
-            (self.observer)(Event::Iteration(&record));
+            observer(Event::Iteration(&record));
             if !now.norm.is_finite() || largest > RUNAWAY * self.size {
                 return Err(Cause::Diverged { correction: now.norm });
             }

@@ -4,11 +4,10 @@ use nalgebra::DMatrix;
 use pneuflex_factor::BlockPattern;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver};
-use pneuflex_newton::{Event, LandedState, follow_path};
+use pneuflex_newton::{ConvergedState, Event, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
-pub const FORMULATIONS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10];
+pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 pub const METHODS: [ContactMethod; 3] = [ContactMethod::None, ContactMethod::SinglePoint, ContactMethod::MultiPoint];
 
@@ -68,14 +67,9 @@ pub fn sum(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] + b[k])).collect()
 }
 
-/// Three entries per node.
-pub fn nodal(flat: &[f64]) -> Vec<[f64; 3]> {
-    flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
-}
-
 /// Sum over all nodes.
-pub fn resultant(flat: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|axis| flat.iter().skip(axis).step_by(3).sum())
+pub fn resultant(field: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|axis| field.iter().map(|value| value[axis]).sum())
 }
 
 /// Largest difference relative to the largest entry of `expected`.
@@ -128,10 +122,10 @@ pub fn strict() -> Solver {
 
 /// The landed states of the production path.
 #[track_caller]
-pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<LandedState> {
+pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<ConvergedState> {
     let mut landed = Vec::new();
     let result = follow_path(problem, pressures_kpa, settings, &mut |event| {
-        if let Event::Landed(state) = event {
+        if let Event::Converged(state) = event {
             landed.push(state.clone());
         }
     });
@@ -152,12 +146,12 @@ pub fn follow_reference(problem: &Problem, pressures_kpa: &[f64]) -> (ReferenceS
 
 /// Requires displacements to 1e-8 and reactions to 1e-6 relative.
 #[track_caller]
-pub fn assert_same_states(name: &str, found: &[LandedState], expected: &[ReferenceState]) {
+pub fn assert_same_states(name: &str, found: &[ConvergedState], expected: &[ReferenceState]) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.time, expected.pressure_kpa);
-        let u = difference(&found.displacement, &expected.displacement);
-        let reaction = difference(&found.reaction, &expected.reaction());
+        let u = difference(found.displacement.as_flattened(), &expected.displacement);
+        let reaction = difference(found.reaction.as_flattened(), &expected.reaction());
         println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.time);
         assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.time);
     }

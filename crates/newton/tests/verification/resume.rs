@@ -1,9 +1,10 @@
 //! A path that goes on from a checkpoint is the path that never ended.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pneuflex_model::{Clock, ContactMethod, Control, Curve, Formulation, Invariant, Problem, Solver};
-use pneuflex_newton::{Cause, Checkpoint, Event, LandedState, Path, ResumeError};
+use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Event, Path, ResumeError};
 
 use crate::fixtures::{coarse_chambers, difference};
 
@@ -18,7 +19,7 @@ fn problem() -> Problem {
     coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint)
 }
 
-fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<LandedState>) {
+fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<ConvergedState>) {
     let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
     let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
     let settings = settings();
@@ -27,12 +28,12 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
             checkpoints.push(checkpoint.clone());
         }
     };
-    let mut path = Path::new(problem, &settings, &mut observer).unwrap();
+    let mut path = Path::new(problem, &settings).unwrap();
     if let Some(checkpoint) = checkpoint {
         path.resume(checkpoint).unwrap();
     }
     for pressure in PRESSURES_KPA.into_iter().filter(|pressure| *pressure >= from) {
-        landed.push(path.advance_to(pressure).unwrap());
+        landed.push(path.advance_to(pressure, &mut observer).unwrap());
     }
     (checkpoints, landed)
 }
@@ -49,8 +50,8 @@ fn every_checkpoint_leads_to_the_same_end() {
         let (_, landed) = follow_from(&problem, Some(checkpoint));
         let expected = &expected[expected.len() - landed.len()..];
         for (found, expected) in landed.iter().zip(expected) {
-            let u = difference(&found.displacement, &expected.displacement);
-            let reaction = difference(&found.reaction, &expected.reaction);
+            let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
+            let reaction = difference(found.reaction.as_flattened(), expected.reaction.as_flattened());
             println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.time);
             assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
             assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
@@ -72,11 +73,11 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
                 checkpoints.push(checkpoint.clone());
             }
         };
-        let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+        let mut path = Path::new(&problem, &settings).unwrap();
         if let Some(checkpoint) = checkpoint {
             path.resume(checkpoint).unwrap();
         }
-        let landed = path.advance_to(1.0).unwrap();
+        let landed = path.advance_to(1.0, &mut observer).unwrap();
         (landed, checkpoints)
     };
     let (expected, checkpoints) = follow(None);
@@ -84,7 +85,7 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
     assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.border.len() == 1));
     for checkpoint in checkpoints {
         let (landed, _) = follow(Some(checkpoint));
-        let u = difference(&landed.displacement, &expected.displacement);
+        let u = difference(landed.displacement.as_flattened(), expected.displacement.as_flattened());
         let pressure = landed.cavity_pressures[0] / expected.cavity_pressures[0] - 1.0;
         assert!(u < 1e-10 && pressure.abs() < 1e-10, "{u:.1e}, {pressure:.1e}");
     }
@@ -95,7 +96,7 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
     let problem = problem();
     let settings = settings();
     let (_, expected) = follow_from(&problem, None);
-    let stop = AtomicBool::new(false);
+    let stop = Arc::new(AtomicBool::new(false));
     let (mut iterations, mut last) = (0, None);
     let mut observer = |event: Event<'_>| match event {
         Event::StepAccepted(checkpoint) => last = Some(checkpoint.clone()),
@@ -107,13 +108,13 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
         Event::StepRejected { cause, .. } => panic!("{cause}"),
         _ => (),
     };
-    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
-    path.stop_when(&stop);
-    path.advance_to(5.0).unwrap();
-    let failure = path.advance_to(25.0).unwrap_err();
+    let mut path = Path::new(&problem, &settings).unwrap();
+    path.stop_when(Arc::clone(&stop));
+    path.advance_to(5.0, &mut observer).unwrap();
+    let failure = path.advance_to(25.0, &mut observer).unwrap_err();
     assert_eq!(failure.cause, Cause::Interrupted);
     let (_, landed) = follow_from(&problem, last);
-    assert!(difference(&landed[0].displacement, &expected[1].displacement) < 1e-10);
+    assert!(difference(landed[0].displacement.as_flattened(), expected[1].displacement.as_flattened()) < 1e-10);
 }
 
 #[test]
@@ -121,8 +122,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
     let problem = problem();
     let (checkpoints, _) = follow_from(&problem, None);
     let settings = settings();
-    let mut observer = |_: Event<'_>| ();
-    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+    let mut path = Path::new(&problem, &settings).unwrap();
     let mut short = checkpoints[0].clone();
     short.displacement.pop();
     assert!(matches!(path.resume(short).unwrap_err(), ResumeError::Misfit(_)));

@@ -1,6 +1,6 @@
 //! Hidden surfaces by a depth buffer.
 
-use pneuflex_mesh::FaceKind;
+use pneuflex_mesh::Outline;
 
 use super::colour_map::viridis;
 use super::skin::{Face, Skin, triangle_normal};
@@ -144,12 +144,12 @@ fn shade(face: &Face, carried: [f64; 5], gradients: [[f64; 2]; 2], paint: &Paint
     let norm = |g: [f64; 2]| (g[0] * g[0] + g[1] * g[1]).sqrt().max(1e-12);
     let [per_xi, per_eta] = gradients.map(norm);
     // Distance from the sides of the face in samples: reference distance over its change per sample.
-    let (per_edge, width) = match face.kind {
-        FaceKind::Tri6 => {
+    let (per_edge, width) = match face.kind.outline {
+        Outline::Triangle => {
             let per_sum = norm(std::array::from_fn(|k| gradients[0][k] + gradients[1][k]));
             ([per_eta, per_sum, per_xi, 1.0], 1.0)
         }
-        _ => ([per_eta, per_xi, per_eta, per_xi], 2.0),
+        Outline::Square => ([per_eta, per_xi, per_eta, per_xi], 2.0),
     };
     let reference = edge_distances(face.kind, [xi, eta]);
     let distance: [f64; 4] = std::array::from_fn(|edge| reference[edge] / per_edge[edge]);

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::{FaceKind, shape};
+use pneuflex_mesh::{FaceKind, Outline, shape};
 use pneuflex_model::Problem;
 
-use crate::surface::{Bounds, Patch, edges};
+use crate::surface::{Bounds, Patch};
 use crate::vector::{Vec3, cross, dot, norm, sub};
 
 use super::view::unit;
@@ -32,7 +32,7 @@ pub(crate) struct Face {
     pub vertices: Vec<Vertex>,
     /// Pieces along each direction.
     pub pieces: usize,
-    /// Whether the body has an edge of its own at each edge (in the order of [`edges`]); otherwise it goes on smoothly.
+    /// Whether the body has an edge of its own at each edge (in the order of [`pneuflex_mesh::face::FaceFamily::edges`]); otherwise it goes on smoothly.
     pub is_edge: [bool; 4],
 }
 
@@ -52,14 +52,15 @@ impl Skin {
     /// The boundary of a body; with `mirrored`, of a half model together with its other half.
     ///
     /// `values` is a nodal field. Lengths are taken for granted.
-    pub fn new(problem: &Problem, displacement: &[f64], values: Option<&[f64]>, mirrored: bool) -> Self {
+    pub fn new(problem: &Problem, displacement: &[[f64; 3]], values: Option<&[f64]>, mirrored: bool) -> Self {
         let mesh = &problem.mesh;
         let nodes = mesh.num_nodes() as u32;
         let on_plane: Vec<bool> = mesh.nodes.iter().map(|x| mirrored && x[1].abs() < 1e-9).collect();
-        let kind = mesh.face_kind();
-        let pieces = if kind == FaceKind::Quad4 { 3 } else { 6 };
-        let table: Vec<([f64; 2], _)> =
-            grid(kind, pieces).into_iter().map(|xi| (xi, shape::evaluate_face(kind, xi))).collect();
+        let table = |kind: FaceKind| -> (usize, Vec<_>) {
+            let pieces = if kind.is_linear() { 3 } else { 6 };
+            (pieces, grid(kind, pieces).into_iter().map(|xi| (xi, shape::evaluate_face(kind, xi))).collect())
+        };
+        let mut tables: BTreeMap<usize, _> = BTreeMap::new();
         let mut faces = Vec::new();
         let mut meeting: BTreeMap<[u32; 2], Vec<(usize, usize, Vec3)>> = BTreeMap::new();
         for facet in mesh.boundary_facets() {
@@ -67,6 +68,8 @@ impl Skin {
             if numbers.iter().all(|&n| on_plane[n as usize]) {
                 continue;
             }
+            let kind = mesh.face_kind(facet);
+            let (pieces, table) = tables.entry(kind.num_nodes()).or_insert_with(|| table(kind));
             let patch = Patch::new(mesh, facet, Some(displacement));
             let rest = unit(Patch::new(mesh, facet, None).at(kind.centre()).area_vector);
             for half in 0..if mirrored { 2 } else { 1 } {
@@ -87,12 +90,12 @@ impl Skin {
                     let n = numbers[i];
                     if half == 1 && !on_plane[n as usize] { n + nodes } else { n }
                 };
-                for (edge, corners) in edges(kind).iter().enumerate() {
+                for (edge, corners) in kind.edges().enumerate() {
                     let mut key = corners.map(corner);
                     key.sort_unstable();
                     meeting.entry(key).or_default().push((faces.len(), edge, turned(rest)));
                 }
-                faces.push(Face { kind, vertices, pieces, is_edge: [false; 4] });
+                faces.push(Face { kind, vertices, pieces: *pieces, is_edge: [false; 4] });
             }
         }
         let limit = CREASE_DEG.to_radians().cos();
@@ -119,13 +122,13 @@ impl Skin {
 /// Reference coordinates of the corners of the pieces, in the order of [`Face::vertices`].
 fn grid(kind: FaceKind, pieces: usize) -> Vec<[f64; 2]> {
     let rows = (0..=pieces).flat_map(|j| {
-        let last = if kind == FaceKind::Tri6 { pieces - j } else { pieces };
+        let last = if kind.outline == Outline::Triangle { pieces - j } else { pieces };
         (0..=last).map(move |i| [i, j])
     });
     rows.map(|at| {
         at.map(|k| {
             let share = k as f64 / pieces as f64;
-            if kind == FaceKind::Tri6 { share } else { 2.0 * share - 1.0 }
+            if kind.outline == Outline::Triangle { share } else { 2.0 * share - 1.0 }
         })
     })
     .collect()
@@ -134,7 +137,11 @@ fn grid(kind: FaceKind, pieces: usize) -> Vec<[f64; 2]> {
 impl Face {
     /// The pieces as triangles of vertex numbers, turned like the face.
     pub fn triangles(&self) -> Vec<[usize; 3]> {
-        if self.kind == FaceKind::Tri6 { self.pieces_of_triangle() } else { self.pieces_of_quadrilateral().collect() }
+        if self.kind.outline == Outline::Triangle {
+            self.pieces_of_triangle()
+        } else {
+            self.pieces_of_quadrilateral().collect()
+        }
     }
 
     fn pieces_of_triangle(&self) -> Vec<[usize; 3]> {
@@ -191,7 +198,7 @@ mod tests {
     #[test]
     fn the_skin_is_closed_and_looks_outwards() {
         for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet10)] {
-            let zero = vec![0.0; problem.num_dofs()];
+            let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
             assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
         }
     }
@@ -199,7 +206,7 @@ mod tests {
     #[test]
     fn the_other_half_has_no_wall_between() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let whole = Skin::new(&problem, &zero, None, true);
         // Mirrored faces are turned the wrong way round as lists of corners: count the volume by side.
         let (one, other): (Vec<&Face>, Vec<&Face>) =

@@ -1,0 +1,117 @@
+//! Nodal forces of loads that keep their direction and size, whatever the body does.
+
+use pneuflex_mesh::{Facet, Mesh, mesh::determinant, shape};
+
+/// ∫ N_a t dA over faces at rest for a traction t, N, one entry per node.
+pub fn traction_forces(mesh: &Mesh, facets: &[Facet], traction: [f64; 3]) -> Vec<[f64; 3]> {
+    let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
+    let kind = mesh.surface_kind(facets);
+    let rule: Vec<_> = (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect();
+    for &facet in facets {
+        let nodes = mesh.facet_nodes(facet);
+        for (shape, weight) in &rule {
+            let mut tangents = [[0.0; 3]; 2];
+            for (&node, gradient) in nodes.iter().zip(&shape.gradients) {
+                for k in 0..3 {
+                    tangents[0][k] += gradient[0] * mesh.nodes[node as usize][k];
+                    tangents[1][k] += gradient[1] * mesh.nodes[node as usize][k];
+                }
+            }
+            let [a, b] = tangents;
+            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let area = weight * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for (&node, value) in nodes.iter().zip(&shape.values) {
+                add_scaled(&mut forces[node as usize], value * area, traction);
+            }
+        }
+    }
+    forces
+}
+
+/// ∫ ρ N_a g dV over elements for an acceleration g (mm/s²), N, one entry per node; `density` gives every element's ρ, t/mm³.
+pub fn weight_forces(
+    mesh: &Mesh,
+    elements: impl Iterator<Item = u32>,
+    density: impl Fn(u32) -> f64,
+    acceleration: [f64; 3],
+) -> Vec<[f64; 3]> {
+    let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
+    let rule: Vec<_> =
+        (mesh.kind.volume_rule)().into_iter().map(|(xi, w)| (shape::tabulate(mesh.kind, xi), w)).collect();
+    for element in elements {
+        for ((values, gradients), weight) in &rule {
+            let volume = weight * determinant(&mesh.jacobian(element as usize, gradients));
+            for (&node, value) in mesh.element(element as usize).iter().zip(values) {
+                add_scaled(&mut forces[node as usize], density(element) * volume * value, acceleration);
+            }
+        }
+    }
+    forces
+}
+
+fn add_scaled(sum: &mut [f64; 3], factor: f64, vector: [f64; 3]) {
+    for k in 0..3 {
+        sum[k] += factor * vector[k];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneuflex_mesh::ElementKind;
+    use pneuflex_mesh::lattice::Lattice;
+
+    const KINDS: [ElementKind; 4] = ElementKind::ALL;
+
+    fn bar(kind: ElementKind) -> Mesh {
+        Lattice::uniform([0.0; 3], [3.0, 2.0, 1.0], [3, 2, 1]).mesh_all(kind)
+    }
+
+    /// Resultant, and moment about the origin, of forces on the nodes of a mesh.
+    fn resultant(mesh: &Mesh, forces: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (x, f) in mesh.nodes.iter().zip(forces) {
+            let m = [x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2], x[0] * f[1] - x[1] * f[0]];
+            for k in 0..3 {
+                force[k] += f[k];
+                moment[k] += m[k];
+            }
+        }
+        (force, moment)
+    }
+
+    #[track_caller]
+    fn assert_close(found: [f64; 3], expected: [f64; 3]) {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} for {expected:?}");
+    }
+
+    #[test]
+    fn tractions_have_the_resultant_of_a_uniform_load() {
+        for kind in KINDS {
+            let mesh = bar(kind);
+            let end = mesh.select_facets(|x| x[0] == 3.0);
+            let (force, moment) = resultant(&mesh, &traction_forces(&mesh, &end, [0.5, 0.0, -1.5]));
+            // Over 2 × 1, about the origin from the centre (3, 1, 0.5).
+            assert_close(force, [1.0, 0.0, -3.0]);
+            assert_close(moment, [-3.0, 9.5, -1.0]);
+        }
+    }
+
+    #[test]
+    fn weight_acts_at_the_centre_of_gravity_of_every_density() {
+        for kind in KINDS {
+            let mesh = bar(kind);
+            // Twice as dense for x > 2: masses 4 and 4 at x = 1 and 2.5.
+            let centre = |element: u32| -> f64 {
+                let nodes = mesh.element(element as usize);
+                let corners = &nodes[..kind.num_corners()];
+                corners.iter().map(|&n| mesh.nodes[n as usize][0]).sum::<f64>() / corners.len() as f64
+            };
+            let density = |element| if centre(element) > 2.0 { 2.0 } else { 1.0 };
+            let all = 0..mesh.num_elements() as u32;
+            let (force, moment) = resultant(&mesh, &weight_forces(&mesh, all, density, [0.0, 0.0, -9.81]));
+            assert_close(force, [0.0, 0.0, -8.0 * 9.81]);
+            assert_close(moment, [-8.0 * 9.81, (4.0 * 1.0 + 4.0 * 2.5) * 9.81, 0.0]);
+        }
+    }
+}

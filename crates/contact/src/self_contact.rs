@@ -1,0 +1,111 @@
+//! Which feet of a surface's own points count as contact.
+//!
+//! A surface that may touch itself is near itself everywhere: every point lies on its own face and next to its neighbours, and behind
+//! it, through the wall, lies the wall's other side, which looks like a face that the point has passed through. A foot counts if
+//!
+//! 1. its face shares no node with the point's face;
+//! 2. the deformed normals oppose each other clearly, n_s · n_m < −½. Surfaces that touch are parallel there; of the two faces beside a right-angled edge
+//!    that touches, one has −0.7 or less. So the points of faces that only stand beside the touching one do not count once more;
+//! 3. the point is no deeper behind the foot's face than a twentieth of their distance at rest, wherever the way from point to foot at
+//!    rest starts into the body, N_s · (X_m − X_s) < 0;
+//! 4. no face between the two looks away from the point: if one with n_s · n > 0 is nearer and the point lies in front of it, then the
+//!    point is outside of the body that the foot belongs to, and the foot is on that body's far side.
+//!
+//! The third rule tells a wall's other side from contact by what the material does, not by a length chosen beforehand. What lies
+//! across the wall at rest is the wall's thickness t away; for it to be found less than t/20 behind, the wall would have to be
+//! thinned to a twentieth, which for an incompressible material is an equibiaxial stretch of 4.5. A true contact of this kind, of a strip
+//! rolled up until its lower side meets its upper one, joins points that are many thicknesses apart at rest: with 20 mm between them it is
+//! found to a depth of 1 mm. Faces that look at each other across a slit, and parts of one flat face that are folded together, have a way
+//! that starts out of the body or along it, and the rule does not bind them.
+
+use std::collections::BTreeSet;
+
+use pneuflex_mesh::shape;
+
+use crate::projection::{EXTENSION, Projection, cross, dot, face_geometry, sub, unit_normal};
+use crate::surface::Surface;
+
+/// Largest share of their distance at rest that a point may lie behind a foot across its own body.
+pub const DEPTH_SHARE: f64 = 0.05;
+
+/// How far faces are continued to see whether a point lies in front of them: further than those that it may touch, so that beside
+/// the edge of a wall its near side blocks whatever its far side would.
+pub const BLOCKING_EXTENSION: f64 = 2.0 * EXTENSION;
+
+/// Normals oppose each other if their product is below this.
+const OPPOSED: f64 = -0.5;
+
+/// Ways that start at less than this slope into the body start along its surface.
+const ALONG: f64 = 1e-6;
+
+/// Directions of normals of a face: around `axis` within `half_angle`.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalCone {
+    axis: [f64; 3],
+    half_angle: f64,
+}
+
+/// Room for what the normals at the corners do not show of a face's normals, as a factor and in radians.
+const CONE_FACTOR: f64 = 1.5;
+const CONE_ROOM: f64 = 0.05;
+
+impl NormalCone {
+    /// The cone of a face's normals, from those at its corners.
+    pub fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
+        let kind = surface.kind;
+        let n = kind.num_nodes();
+        let nodes = &surface.face_positions(face, positions)[..n];
+        let at = |xi| unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, xi)).tangents).0;
+        let axis = at(kind.centre());
+        let half_angle = kind.corners().iter().map(|&xi| angle(axis, at(xi))).fold(0.0, f64::max);
+        Self { axis, half_angle: CONE_FACTOR * half_angle + CONE_ROOM }
+    }
+
+    /// Whether no normal of one face opposes one of the other.
+    pub fn never_opposes(&self, other: &Self) -> bool {
+        angle(self.axis, other.axis) + self.half_angle + other.half_angle < OPPOSED.acos()
+    }
+}
+
+/// Angle between unit vectors, exact for small ones, too.
+fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let c = cross(a, b);
+    dot(c, c).sqrt().atan2(dot(a, b))
+}
+
+/// Whether the surfaces have a node in common, so that the rules of this module apply.
+pub fn share_nodes(slave: &Surface, master: &Surface) -> bool {
+    let nodes = |surface: &Surface| -> BTreeSet<u32> {
+        (0..surface.num_faces()).flat_map(|face| surface.face(face).to_vec()).collect()
+    };
+    !nodes(slave).is_disjoint(&nodes(master))
+}
+
+/// Whether two faces have a node in common.
+pub fn are_neighbours(a: &[u32], b: &[u32]) -> bool {
+    a.iter().any(|node| b.contains(node))
+}
+
+/// A point of the slave, at rest and now.
+#[derive(Clone, Copy, Debug)]
+pub struct SlavePoint {
+    /// Position at rest, mm.
+    pub at_rest: [f64; 3],
+    /// Unit normal at rest.
+    pub normal_at_rest: [f64; 3],
+    /// Unit normal now.
+    pub normal: [f64; 3],
+}
+
+/// Whether a foot on a face that is no neighbour counts; `foot_at_rest` is its position at rest.
+pub fn counts(point: &SlavePoint, foot: &Projection, foot_at_rest: [f64; 3]) -> bool {
+    let way = sub(foot_at_rest, point.at_rest);
+    let length = dot(way, way).sqrt();
+    let goes_in = dot(way, point.normal_at_rest) < -ALONG * length;
+    dot(point.normal, foot.normal) < OPPOSED && !(goes_in && foot.distance < -DEPTH_SHARE * length)
+}
+
+/// Whether a foot of a point with the unit normal `normal` shows that the point is outside of what lies further behind it than `depth`.
+pub fn blocks(normal: [f64; 3], foot: &Projection, depth: f64) -> bool {
+    foot.excess <= BLOCKING_EXTENSION && dot(normal, foot.normal) > 0.0 && foot.distance > 0.0 && foot.distance < depth
+}

@@ -1,0 +1,11 @@
+//! Families of solid elements. What a family is stands in one [`ElementFamily`] of a file of its own; everything else reads these tables.
+
+mod descriptor;
+pub mod hex20;
+pub mod hex27;
+pub mod hex8;
+mod hexahedron;
+pub mod tet10;
+pub(crate) mod tetrahedron;
+
+pub use descriptor::{AbaqusTypes, ElementFamily, Face, GmshTypes, LatticeCell, ReferenceBody};

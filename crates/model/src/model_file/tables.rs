@@ -1,0 +1,266 @@
+//! The model file's tables.
+
+use pneuflex_mesh::Actuator;
+use serde::{Deserialize, Serialize};
+
+use crate::material::Material;
+use crate::obstacle_table::ObstacleTable;
+use crate::options::{MeshOptions, Output, Probe};
+use crate::series::Series;
+
+/// A whole model file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Title, repeated in the output.
+    #[serde(default)]
+    pub title: String,
+    /// File with the body; beside it there is no `actuator`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<Source>,
+    /// Parameters of an actuator as the body, with its clamp, its plane of symmetry and the contact in its gaps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<Actuator>,
+    /// Mesh of the actuator.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub mesh: MeshOptions,
+    /// Material of all elements that belong to no region; a deck's own if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// Parts of another material; a later one wins.
+    #[serde(default, rename = "region", skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<RegionTable>,
+    /// Held or moved nodes.
+    #[serde(default, rename = "support", skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<SupportTable>,
+    /// Linear equations between displacements.
+    #[serde(default, rename = "equation", skip_serializing_if = "Vec::is_empty")]
+    pub equations: Vec<EquationTable>,
+    /// Spaces filled with air or a liquid.
+    #[serde(default, rename = "cavity", skip_serializing_if = "Vec::is_empty")]
+    pub cavities: Vec<CavityTable>,
+    /// Forces on nodes.
+    #[serde(default, rename = "force", skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<ForceTable>,
+    /// Loads on faces that keep their direction.
+    #[serde(default, rename = "traction", skip_serializing_if = "Vec::is_empty")]
+    pub tractions: Vec<TractionTable>,
+    /// Pressures on other faces, which follow them.
+    #[serde(default, rename = "pressure", skip_serializing_if = "Vec::is_empty")]
+    pub pressures: Vec<PressureTable>,
+    /// Weight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<GravityTable>,
+    /// Surfaces that may touch.
+    #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactTable>,
+    /// Rigid bodies in the way.
+    #[serde(default, rename = "obstacle", skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleTable>,
+    /// When results are wanted; a deck's own schedule if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<Times>,
+    /// Points whose displacement is reported.
+    #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// Solver settings.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub solver: Steps,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The file that holds the body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// An Abaqus or CalculiX deck (`.inp`) or a Gmsh mesh (`.msh`), relative to the model file.
+    pub file: String,
+    /// Millimetres per unit of length in a mesh; decks are in mm, N, MPa.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub scale: f64,
+}
+
+/// Elements with a material of their own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RegionTable {
+    /// Name in reports.
+    pub name: String,
+    /// An element set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elements: Option<String>,
+    /// Instead: the elements whose centre lies between two corners, mm.
+    #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+    pub within: Option<[[f64; 3]; 2]>,
+    /// Their material.
+    pub material: Material,
+}
+
+/// Nodes that are held or moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SupportTable {
+    /// A node set, or the nodes of a surface.
+    pub nodes: String,
+    /// Held axes, e.g. `xyz` or `y`.
+    pub axes: String,
+    /// Displacement at the end, or where the factor is 1, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<[f64; 3]>,
+    /// Factor by time; a straight line from 0 to 1 if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Series>,
+}
+
+/// Σ cᵢ uᵢ = value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EquationTable {
+    /// Terms \[node set, axis, coefficient\]: sets of one node, or all of the same size, which gives one equation for each.
+    pub terms: Vec<(String, String, f64)>,
+    /// Right-hand side by time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<Series>,
+}
+
+/// A cavity and what is known of the fluid in it: exactly one of pressure, volume and gas.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CavityTable {
+    /// Name in reports.
+    pub name: String,
+    /// Surface of its walls.
+    pub faces: String,
+    /// Pressure by time, kPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_kpa: Option<Series>,
+    /// Volume pumped in by time, mm³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume_mm3: Option<Series>,
+    /// Amount of gas by time, relative to what fills it at rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gas: Option<Series>,
+    /// Absolute pressure of the atmosphere, kPa.
+    #[serde(default = "atmosphere", skip_serializing_if = "is_atmosphere")]
+    pub atmosphere_kpa: f64,
+    /// Polytropic exponent: 1 for constant temperature, 1.4 for air without exchange of heat.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub exponent: f64,
+}
+
+/// A force on nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceTable {
+    /// A node set.
+    pub nodes: String,
+    /// Force in all, N; every node gets the same share.
+    pub total: [f64; 3],
+    /// Factor by time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Series>,
+}
+
+/// A traction on faces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TractionTable {
+    /// A surface.
+    pub faces: String,
+    /// Force per area at rest, MPa.
+    pub traction_mpa: [f64; 3],
+    /// Factor by time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Series>,
+}
+
+/// A pressure on faces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureTable {
+    /// A surface.
+    pub faces: String,
+    /// Pressure by time, kPa.
+    pub pressure_kpa: Series,
+}
+
+/// Weight.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GravityTable {
+    /// Acceleration, mm/s².
+    pub acceleration: [f64; 3],
+    /// Factor by time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Series>,
+}
+
+/// Two surfaces that may touch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactTable {
+    /// Surface that carries the contact points.
+    pub slave: String,
+    /// Surface onto which they are projected; the same one for a surface that may touch itself.
+    pub master: String,
+    /// Penalty stiffness, N/mm³; from the material and the faces' size if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
+    /// Whether each surface is the slave in turn.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub two_pass: bool,
+}
+
+/// When results are wanted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Times {
+    /// Increasing times.
+    pub times: Vec<f64>,
+}
+
+/// Solver settings; steps are in time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Steps {
+    /// As for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// As for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual_tolerance: Option<f64>,
+    /// As for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_iterations: Option<usize>,
+    /// First load step; a tenth of the last time if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_step: Option<f64>,
+    /// Largest load step; the last time if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_step: Option<f64>,
+    /// Smallest load step; 1/100,000 of the last time if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_step: Option<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(x: &f64) -> bool {
+    *x == 1.0
+}
+
+fn atmosphere() -> f64 {
+    101.325
+}
+
+fn is_atmosphere(x: &f64) -> bool {
+    *x == atmosphere()
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}

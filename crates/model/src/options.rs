@@ -1,0 +1,276 @@
+//! Tables that case files and model files share, and what they are made of: mesh, contact, loads, probes, solver, output.
+
+use std::fmt;
+
+use pneuflex_mesh::{Actuator, MeshSize};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::formulation::Formulation;
+use crate::range_check::Problems;
+
+/// Mesh size and element formulation. A resolution sets all of them; keys given beside it win.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeshOptions {
+    /// A graded mesh of quadratic hexahedra, by how exact it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<Resolution>,
+    /// Largest element edge, mm: one number or one per direction. The mesh is uniform unless `edge_size` is given, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<Size>,
+    /// Element edge at the body's re-entrant edges, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_size: Option<f64>,
+    /// Least number of elements through end, side and top walls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_elements: Option<usize>,
+    /// Element formulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<Formulation>,
+}
+
+/// How exact a mesh is. Errors of the tip's displacement are those of the default actuator at 50 kPa, see
+/// ARCHITECTURE.md.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Resolution {
+    /// To try things out.
+    Draft,
+    /// Within 2 %.
+    #[default]
+    Standard,
+    /// Within 0.7 %.
+    Fine,
+}
+
+/// An element size: the same in all directions, or one per direction, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Size {
+    /// The same along x, y and z.
+    Uniform(f64),
+    /// Along x, y, z.
+    PerAxis([f64; 3]),
+}
+
+/// Contact between the facing walls of neighbouring chambers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contact {
+    /// Where contact is looked for.
+    pub method: ContactMethod,
+    /// Penalty stiffness k, N/mm³.
+    pub stiffness: f64,
+    /// Whether both walls of a gap are the slave in turn, with half the weight each.
+    pub two_pass: bool,
+    /// Whether the outer surface is also kept from passing through itself elsewhere than in the gaps.
+    pub self_contact: bool,
+    /// Largest penetration of a contact point at the requested pressures, mm: there the contact is solved by an augmented Lagrangian.
+    /// `None` for the penalty alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penetration_tolerance: Option<f64>,
+}
+
+/// Where contact is looked for (theory §5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactMethod {
+    /// Nowhere: walls pass through each other.
+    None,
+    /// Centre of a slave face against the centre of its corresponding master face.
+    SinglePoint,
+    /// 4 × 4 Gauss points of a slave face against their closest points on the master surface.
+    MultiPoint,
+}
+
+/// Pressures to land on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Increasing pressures, kPa.
+    pub pressure_kpa: Vec<f64>,
+}
+
+/// A point whose displacement is reported.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name in the summary.
+    pub name: String,
+    /// Reference position, mm; the nearest node is taken.
+    pub at: [f64; 3],
+}
+
+/// Solver settings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Solver {
+    /// Convergence: ‖\[Δq; Δλ\]‖ (mm, N) below this.
+    pub tolerance: f64,
+    /// Convergence: residual norm relative to the norm of the pressure forces below this.
+    pub residual_tolerance: f64,
+    /// Iterations after which a load step is given up and halved.
+    pub max_iterations: usize,
+    /// First load step: kPa for actuators, else a time.
+    #[serde(rename = "first_step_kpa")]
+    pub first_step: f64,
+    /// Largest load step.
+    #[serde(rename = "max_step_kpa")]
+    pub max_step: f64,
+    /// A step smaller than this ends the run as not converged.
+    #[serde(rename = "min_step_kpa")]
+    pub min_step: f64,
+}
+
+/// What is written besides the summary.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Write `fields/*.vtu` at every requested pressure.
+    pub fields: bool,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            method: ContactMethod::MultiPoint,
+            stiffness: 4.0,
+            two_pass: false,
+            self_contact: false,
+            penetration_tolerance: None,
+        }
+    }
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            residual_tolerance: 1e-8,
+            max_iterations: 25,
+            first_step: 5.0,
+            max_step: 20.0,
+            min_step: 1e-3,
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { fields: true }
+    }
+}
+
+impl Size {
+    /// Sizes along x, y, z.
+    pub fn per_axis(self) -> [f64; 3] {
+        match self {
+            Self::Uniform(h) => [h; 3],
+            Self::PerAxis(h) => h,
+        }
+    }
+}
+
+/// Written out because the derived reader of an untagged enum cannot say what it expects.
+impl<'de> Deserialize<'de> for Size {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct SizeVisitor;
+        impl<'de> Visitor<'de> for SizeVisitor {
+            type Value = Size;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or three numbers [sx, sy, sz]")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Size, E> {
+                Ok(Size::Uniform(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Size, E> {
+                Ok(Size::Uniform(value as f64))
+            }
+
+            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Size, E> {
+                Ok(Size::Uniform(value as f64))
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, sequence: A) -> Result<Size, A::Error> {
+                let sizes = Vec::<f64>::deserialize(SeqAccessDeserializer::new(sequence))?;
+                let count = sizes.len();
+                sizes.try_into().map(Size::PerAxis).map_err(|_| de::Error::invalid_length(count, &self))
+            }
+        }
+        deserializer.deserialize_any(SizeVisitor)
+    }
+}
+
+impl MeshOptions {
+    /// A uniform mesh of one formulation.
+    pub fn uniform(size: f64, element: Formulation) -> Self {
+        Self { size: Some(Size::Uniform(size)), element: Some(element), ..Self::default() }
+    }
+
+    /// Element formulation.
+    pub fn formulation(&self) -> Formulation {
+        self.element.unwrap_or(Formulation::Hex27)
+    }
+
+    /// The resolution of keys that are not given.
+    pub fn resolution(&self) -> Resolution {
+        self.resolution.unwrap_or_default()
+    }
+
+    /// The same with every default written out for an actuator.
+    pub fn resolved(&self, actuator: &Actuator) -> Self {
+        let MeshSize { size, edge, wall_elements, .. } = self.mesh_size(actuator);
+        Self {
+            resolution: self.resolution,
+            size: Some(Size::PerAxis(size)),
+            edge_size: edge.is_finite().then_some(edge),
+            wall_elements: Some(wall_elements),
+            element: Some(self.formulation()),
+        }
+    }
+
+    /// Element sizes of an actuator's mesh.
+    pub fn mesh_size(&self, actuator: &Actuator) -> MeshSize {
+        let preset = self.resolution().mesh_size(actuator);
+        let edge = match (self.edge_size, self.size) {
+            (Some(edge), _) => edge,
+            (None, Some(_)) => f64::INFINITY,
+            (None, None) => preset.edge,
+        };
+        let size = self.size.map_or(preset.size, Size::per_axis);
+        MeshSize { size, edge, wall_elements: self.wall_elements.unwrap_or(preset.wall_elements), ..preset }
+    }
+}
+
+impl Resolution {
+    /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width.
+    pub fn mesh_size(self, actuator: &Actuator) -> MeshSize {
+        let (of_width, of_wall) = match self {
+            Self::Draft => (1.0, 2.8),
+            Self::Standard => (1.0, 1.4),
+            Self::Fine => (1.0, 0.7),
+        };
+        let wall = actuator.thinnest_wall();
+        let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
+        MeshSize { edge: of_wall * wall, ..MeshSize::uniform(of_width * width) }
+    }
+}
+
+impl Solver {
+    pub(crate) fn check(&self, found: &mut Problems) {
+        found.unless_positive("solver.tolerance", self.tolerance, " (mm, N)");
+        found.unless_positive("solver.residual_tolerance", self.residual_tolerance, "");
+        found.unless_positive("solver.first_step_kpa", self.first_step, " kPa");
+        found.unless_positive("solver.min_step_kpa", self.min_step, " kPa");
+        found.unless_positive("solver.max_step_kpa", self.max_step, " kPa");
+        if self.max_step < self.min_step {
+            found.add("solver.max_step_kpa", &self.max_step, "must not be below solver.min_step_kpa");
+        }
+        if !(2..=1000).contains(&self.max_iterations) {
+            found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");
+        }
+    }
+}

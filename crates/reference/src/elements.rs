@@ -1,0 +1,89 @@
+//! Spans, rules and pressures of the elements: what the production path takes from tables is here once more, on its own.
+//!
+//! | formulation | deviatoric points | volumetric points | ψ |
+//! |---|---|---|---|
+//! | `hex8-sri` | 2×2×2 | the centre, w = Vₑ | 1 |
+//! | `hex8-q1p0` | 2×2×2 | 2×2×2 | 1 |
+//! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
+//! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
+//! | `tet10` | 4 | 3×3×3, collapsed | 1 |
+
+use pneuflex_mesh::{ElementKind, FaceKind};
+use pneuflex_model::{Formulation, Material};
+
+use crate::quadrature;
+
+/// A point of an element's rule: reference coordinates, weight, deviatoric?, volumetric?
+pub type RulePoint = ([f64; 3], f64, bool, bool);
+
+/// Which monomials with exponents up to 2 span a family.
+#[derive(Clone, Copy)]
+pub enum Span {
+    /// Those with at most so many squares.
+    Squares(usize),
+    /// Those of total degree up to 2.
+    TotalDegree2,
+}
+
+/// What an element's shape functions span.
+pub fn span_of_element(kind: ElementKind) -> Span {
+    match kind {
+        ElementKind::Hex8 => Span::Squares(0),
+        ElementKind::Hex20 => Span::Squares(1),
+        ElementKind::Hex27 => Span::Squares(3),
+        ElementKind::Tet10 => Span::TotalDegree2,
+    }
+}
+
+/// What a face's shape functions span.
+pub fn span_of_face(kind: FaceKind) -> Span {
+    match kind {
+        FaceKind::Quad4 => Span::Squares(0),
+        FaceKind::Quad8 => Span::Squares(1),
+        FaceKind::Quad9 => Span::Squares(2),
+        FaceKind::Tri6 => Span::TotalDegree2,
+    }
+}
+
+/// A rule that integrates the volume behind a face exactly: 2×2 points on quad4, 3×3 on quad8 and quad9, 3×3 collapsed on tri6.
+pub fn face_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    match kind {
+        FaceKind::Quad4 => quadrature::tensor(2),
+        FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(3),
+        FaceKind::Tri6 => quadrature::collapsed(3),
+    }
+}
+
+/// The rule of the table above.
+pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
+    let points = |n: usize, is_deviatoric: bool, is_volumetric: bool| -> Vec<RulePoint> {
+        quadrature::tensor(n).into_iter().map(|(xi, w)| (xi, w, is_deviatoric, is_volumetric)).collect()
+    };
+    match formulation {
+        Formulation::Hex8Sri => [points(2, true, false), points(1, false, true)].concat(),
+        Formulation::Hex8Q1p0 => points(2, true, true),
+        Formulation::Hex20 => quadrature::irons().into_iter().map(|(xi, w)| (xi, w, true, true)).collect(),
+        Formulation::Hex27 => points(3, true, true),
+        Formulation::Tet10 => {
+            let deviatoric = quadrature::tetrahedron_of_degree_2().into_iter().map(|(xi, w)| (xi, w, true, false));
+            let volumetric = quadrature::collapsed(3).into_iter().map(|(xi, w)| (xi, w, false, true));
+            deviatoric.chain(volumetric).collect()
+        }
+    }
+}
+
+/// Number of pressures of an element.
+pub fn num_pressures(formulation: Formulation) -> usize {
+    match formulation {
+        Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
+        Formulation::Hex20 | Formulation::Hex27 => 4,
+    }
+}
+
+/// The part κ_f of the bulk modulus that acts on J itself, MPa.
+pub fn fluctuation_modulus(formulation: Formulation, material: &Material) -> f64 {
+    match formulation {
+        Formulation::Tet10 => material.shear_modulus().min(0.5 * material.bulk_modulus),
+        _ => 0.0,
+    }
+}
