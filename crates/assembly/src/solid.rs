@@ -139,17 +139,6 @@ impl Solid {
         self.reference.num_modes
     }
 
-    /// Lets the tangent's geometric term carry its own pressures, starting from those of the given displacements.
-    pub fn carry_pressures(&mut self, displacement: &[[f64; 3]]) {
-        self.carried = self.element_pressures(displacement, None);
-    }
-
-    /// Updates the carried pressures for a Newton correction δu computed at `displacement`: p ← p(θ) + ∂p/∂θ B δu, with the
-    /// quadratic volumetric energy κ M⁻¹ (θ + B δu).
-    pub fn update_pressures(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
-        self.carried = self.element_pressures(displacement, Some(correction));
-    }
-
     /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: p(θ), or with a correction
     /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
     /// [`crate::formulation`].

@@ -30,15 +30,15 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             say(&format!("{place}: the run is complete, nothing is left to do"));
             return Ok(Outcome::Converged);
         }
-        Start::From(earlier) => Some(earlier.1.time),
+        Start::From(earlier) => Some(earlier.1.parameter),
         Start::AtRest => None,
     };
-    let end = analysis.times.last().copied().unwrap_or(0.0);
+    let end = analysis.requested.last().copied().unwrap_or_default();
     let clock = analysis.problem.clock;
-    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or(0.0), end]);
+    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end]);
     announce(&analysis, &folder, &progress);
     match begin {
-        Some(time) => progress.line(&format!("going on from {}", clock.words(time))),
+        Some(at) => progress.line(&format!("going on from {}", clock.words(at))),
         None if arguments.resume => progress.line("nothing to go on with: starting from rest"),
         None => {}
     }

@@ -1,5 +1,6 @@
 //! Quantities that must not be mistaken for each other.
 
+use std::fmt;
 use std::ops::{Add, Sub};
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,13 @@ pub struct LoadParameter(pub f64);
 impl From<f64> for LoadParameter {
     fn from(value: f64) -> Self {
         Self(value)
+    }
+}
+
+/// The number.
+impl fmt::Display for LoadParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
     }
 }
 

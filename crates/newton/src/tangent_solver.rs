@@ -99,6 +99,11 @@ impl Tangent {
         !self.couplings.is_empty()
     }
 
+    /// The symmetric part of K, N/mm, 9 numbers per block of the pattern.
+    pub fn values(&self) -> &[f64] {
+        &self.buffers.values
+    }
+
     /// What it was made from.
     pub fn linearisation(&self) -> &Linearisation {
         &self.linearisation

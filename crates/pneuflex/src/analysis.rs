@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::Actuator;
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, LoadParameter, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::contact;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
@@ -27,7 +27,7 @@ const MOST_OVERLAP: f64 = 1e-9;
 /// Whether a body of a size may be built, and what to warn of.
 pub type Guard<'a> = &'a dyn Fn(Estimate) -> Result<Option<String>, InputError>;
 
-/// A meshed body with materials, supports and loads, the times at which results are wanted, and solver settings: ready to be solved,
+/// A meshed body with materials, supports and loads, the positions on the load path at which results are wanted, and solver settings: ready to be solved,
 /// any number of times.
 #[derive(Clone, Debug)]
 pub struct Analysis {
@@ -35,8 +35,8 @@ pub struct Analysis {
     pub title: String,
     /// What is solved.
     pub problem: Problem,
-    /// Times to reach; pressures in kPa for actuators.
-    pub times: Vec<f64>,
+    /// Positions on the load path to reach: pressures in kPa for actuators, times of a schedule for others.
+    pub requested: Vec<LoadParameter>,
     /// Solver settings.
     pub solver: Solver,
     /// Points whose displacement is reported.
@@ -88,7 +88,7 @@ impl Analysis {
         Self {
             title: case.title.clone(),
             problem,
-            times: case.load.pressure_kpa.clone(),
+            requested: case.load.pressure_kpa.iter().copied().map(LoadParameter).collect(),
             solver: case.solver.clone(),
             probes: case.probes.clone(),
             fields: case.output.fields,
@@ -154,7 +154,7 @@ impl Analysis {
         Ok(Self {
             title: model.title.clone(),
             problem: study.problem,
-            times: study.times,
+            requested: study.times.into_iter().map(LoadParameter).collect(),
             solver: study.solver,
             probes: model.probes.clone(),
             fields: model.output.fields,

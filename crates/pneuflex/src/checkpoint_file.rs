@@ -1,6 +1,6 @@
 //! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack).
 
-use pneuflex_model::Clock;
+use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_newton::Checkpoint;
 use pneuflex_post::summary::StepSummary;
 use serde::{Deserialize, Serialize};
@@ -86,10 +86,10 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
         changes.extend(changed_files(folder, &files));
     }
     let reached = reached(folder);
-    if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.times.iter().copied()) {
+    if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied()) {
         return Ok(Start::Complete(reached));
     }
-    let old_times = times_of(&old);
+    let old_requested = requested_by(&old);
     let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
     if !forbidden.is_empty() {
         return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
@@ -105,18 +105,19 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
-    let landed = loaded.recorded.steps.iter().map(StepSummary::when);
-    let times = &analysis.times;
+    let reached = loaded.recorded.steps.iter().map(StepSummary::when);
+    let requested = &analysis.requested;
     let count = loaded.recorded.steps.len();
-    let goes_on = landed.eq(times.iter().copied().take(count))
-        && times.get(count).is_none_or(|next| *next >= loaded.path.time)
+    let at = loaded.path.parameter;
+    let goes_on = reached.eq(requested.iter().copied().take(count))
+        && requested.get(count).is_none_or(|next| *next >= at)
         // The last time reached may not be among the steps yet.
-        && (!old_times.contains(&loaded.path.time) || times.contains(&loaded.path.time));
+        && (!old_requested.contains(&at) || requested.contains(&at));
     if !goes_on {
         return Err(again(format!(
             "{} leaves out what was reached; it may only change beyond {}",
             if analysis.problem.clock == Clock::Pressure { "load.pressure_kpa" } else { "load.times" },
-            analysis.problem.clock.words(loaded.path.time)
+            analysis.problem.clock.words(at)
         )));
     }
     Ok(Start::From(Box::new((loaded.recorded, loaded.path))))
@@ -127,11 +128,11 @@ fn may_change(key: &str) -> bool {
     key == "load.pressure_kpa" || key == "load.times" || key.starts_with("solver.")
 }
 
-/// The times that a case asks for, as far as it names them.
-fn times_of(case: &toml::Table) -> Vec<f64> {
+/// The positions on the load path that a case asks for, as far as it names them.
+fn requested_by(case: &toml::Table) -> Vec<LoadParameter> {
     let load = case.get("load").and_then(Value::as_table);
     let list = load.and_then(|load| load.get("pressure_kpa").or_else(|| load.get("times"))).and_then(Value::as_array);
-    list.into_iter().flatten().filter_map(Value::as_float).collect()
+    list.into_iter().flatten().filter_map(Value::as_float).map(LoadParameter).collect()
 }
 
 /// Files of the body that are not the copies of an earlier run.

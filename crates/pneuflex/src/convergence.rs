@@ -159,7 +159,7 @@ fn measure(problem: &Problem, state: &ConvergedState) -> Result<Measured, PostEr
     let u = &state.displacement;
     let tip = problem.mesh.node_set("bottom_centreline").last().map_or([0.0; 3], |&node| u[node as usize]);
     Ok(Measured {
-        pressure_kpa: state.time,
+        pressure_kpa: state.parameter.0,
         end_face_angle_deg: measures::end_face_angle_deg(problem, u)?,
         tip_displacement_mm: tip.iter().map(|x| x * x).sum::<f64>().sqrt(),
         von_mises_p99_mpa: stress::recover(problem, u)?.von_mises_quantile(0.99),

@@ -35,12 +35,12 @@ pub fn field_files(
 }
 
 fn failed(problem: &Problem, equilibrium: &ConvergedState, source: pneuflex_post::PostError) -> ResultsError {
-    ResultsError::Derived { at: problem.clock.words(equilibrium.time), source }
+    ResultsError::Derived { at: problem.clock.words(equilibrium.parameter), source }
 }
 
 fn as_described(equilibrium: &ConvergedState) -> State<'_> {
     State {
-        time: equilibrium.time,
+        parameter: equilibrium.parameter,
         cavity_pressures: &equilibrium.cavity_pressures,
         displacement: &equilibrium.displacement,
         reaction: &equilibrium.reaction,

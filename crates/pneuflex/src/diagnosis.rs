@@ -213,6 +213,7 @@ fn first_and_last<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex_model::LoadParameter;
     use pneuflex_newton::Stability;
 
     fn case(change: &str) -> Case {
@@ -225,7 +226,7 @@ mod tests {
 
     fn failure(cause: Cause, softening: f64) -> Failure {
         let stability = Stability { softening, negative_pivots: 0 };
-        Failure { reached: 7.0, attempted: 8.0, cause, stability, clock: Clock::Pressure }
+        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure }
     }
 
     #[test]

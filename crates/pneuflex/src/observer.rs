@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pneuflex_model::LoadParameter;
 use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, PathReport};
 use pneuflex_post::summary::{Described, StepSummary};
 
@@ -16,8 +17,8 @@ pub enum Event<'a> {
     StepStarted {
         /// Load step, from 1.
         step: usize,
-        /// Time aimed at: the pressure in kPa for actuators.
-        time: f64,
+        /// Position aimed at on the load path: the pressure in kPa for actuators.
+        parameter: LoadParameter,
     },
     /// A Newton iteration is done.
     Iteration(&'a IterationRecord),
@@ -25,8 +26,8 @@ pub enum Event<'a> {
     StepRejected {
         /// Load step, from 1.
         step: usize,
-        /// Time aimed at.
-        time: f64,
+        /// Position aimed at.
+        parameter: LoadParameter,
         /// Why.
         cause: &'a Cause,
     },

@@ -193,7 +193,7 @@ fn obstacle(obstacle: &Obstacle) -> String {
 
 /// What the parts of a model are.
 fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
-    let Analysis { problem, times, .. } = analysis;
+    let Analysis { problem, requested, .. } = analysis;
     let mesh = &problem.mesh;
     let mut rows = Rows::default();
     let mut row = |kind: &'static str, what: String| rows.add(kind, what);
@@ -276,7 +276,7 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     for thing in &problem.obstacles {
         row("obstacle", obstacle(thing));
     }
-    let times: Vec<String> = times.iter().map(f64::to_string).collect();
+    let times: Vec<String> = requested.iter().map(ToString::to_string).collect();
     row("times", times.join(", "));
     for (name, site) in probe_sites(mesh, &analysis.probes) {
         row("probe", probe(&name, &site));

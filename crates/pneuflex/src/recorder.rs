@@ -162,7 +162,7 @@ impl<'a> Recorder<'a> {
             open_iterations: 0,
         };
         for step in recorded.steps {
-            recorder.list_fields(step.when());
+            recorder.list_fields(step.when().0);
             recorder.iterations += step.iterations;
             recorder.steps.push(step);
         }
@@ -185,7 +185,7 @@ impl<'a> Recorder<'a> {
         let is_new = usize::from(record.new_tangent);
         self.iterations += is_new;
         self.open_iterations += is_new;
-        let pressure_kpa = (self.analysis.problem.clock == Clock::Pressure).then_some(record.time);
+        let pressure_kpa = (self.analysis.problem.clock == Clock::Pressure).then_some(record.parameter.0);
         let line = json::line(&Line { record, pressure_kpa });
         let line = line.map_err(|why| ResultsError::not_representable(HISTORY, why))?;
         self.history_bytes += line.len() as u64;
@@ -218,7 +218,7 @@ impl<'a> Recorder<'a> {
 
     fn write_fields(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
         let problem = &self.analysis.problem;
-        let time = state.equilibrium.time;
+        let time = state.equilibrium.parameter.0;
         let (body, walls) = derived::field_files(problem, state.described, state.equilibrium)?;
         let number = self.steps.len() + 1;
         for (name, text) in [("step", Some(body)), ("contact", walls)] {
@@ -241,10 +241,10 @@ impl<'a> Recorder<'a> {
             (_, Some(Failure { cause: Cause::Interrupted, .. })) if end.error.is_none() => Status::Interrupted,
             _ => Status::NotConverged,
         };
-        let next = self.analysis.times.get(self.steps.len()).copied();
+        let next = self.analysis.requested.get(self.steps.len()).copied();
         let missed = next.filter(|_| status == Status::NotConverged && end.error.is_none()).map(|at| {
-            let time = (self.analysis.problem.clock == Clock::Steps).then_some(at);
-            Missed { time, pressure_kpa: at, converged: false, iterations: self.open_iterations }
+            let time = (self.analysis.problem.clock == Clock::Steps).then_some(at.0);
+            Missed { time, pressure_kpa: at.0, converged: false, iterations: self.open_iterations }
         });
         Ending { status, failure, reason: end.reason.cloned(), missed }
     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::actuator::Part;
-use pneuflex_model::Clock;
+use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 use pneuflex_report::inputs::{Group, Row, groups};
@@ -103,7 +103,7 @@ fn read_summary(folder: &Path) -> Result<Summary, InputError> {
     match summary.steps.iter().find(|step| step.converged && step.landed.is_none()) {
         Some(step) => {
             let clock = if step.time.is_some() { Clock::Steps } else { Clock::Pressure };
-            Err(damaged(&path, format!("results are missing at {}", clock.words(step.when()))))
+            Err(damaged(&path, format!("results are missing at {}", clock.words(LoadParameter(step.when())))))
         }
         None => Ok(summary),
     }
@@ -122,7 +122,7 @@ fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<
         let body = read_grid(&body_path)?;
         let is_same = (body.time - time).abs() <= 1e-9;
         if !is_same {
-            let [found, expected] = [body.time, time].map(|time| problem.clock.words(time));
+            let [found, expected] = [body.time, time].map(|time| problem.clock.words(LoadParameter(time)));
             return Err(damaged(&body_path, format!("it is of {found} instead of {expected}")));
         }
         let walls = has_walls.then(|| read_grid(&path("contact"))).transpose()?;

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use pneuflex_newton::{
-    self as newton, Cause, Checkpoint, ConvergedState, Failure, Path, PathReport, Stability, Timing,
-};
+use pneuflex_model::LoadParameter;
+use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure, Path, PathReport};
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::Analysis;
@@ -154,9 +153,9 @@ impl<'a> Run<'a> {
             // First, so that nobody hears of a state that could not be recorded.
             self.observers.insert(0, Box::new(Recorder::new(folder, analysis, recorded)?));
         }
-        let reached = self.from.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
-        let is_left = |time: &f64| states.last().is_none_or(|last| *time > last.when()) && *time >= reached;
-        let remaining: Vec<f64> = analysis.times.iter().copied().filter(is_left).collect();
+        let reached = self.from.as_ref().map_or(LoadParameter::default(), |checkpoint| checkpoint.parameter);
+        let is_left = |at: &LoadParameter| states.last().is_none_or(|last| *at > last.when()) && *at >= reached;
+        let remaining: Vec<LoadParameter> = analysis.requested.iter().copied().filter(is_left).collect();
         let last_equilibrium = match &self.from {
             Some(checkpoint) => checkpoint.displacement.clone(),
             None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
@@ -209,34 +208,38 @@ struct Audience<'a> {
 
 impl Audience<'_> {
     /// Follows the path from rest or from a checkpoint.
-    fn follow(&mut self, times: &[f64], from: Option<Checkpoint>) -> Result<PathReport, Box<(Failure, PathReport)>> {
+    fn follow(
+        &mut self,
+        parameters: &[LoadParameter],
+        from: Option<Checkpoint>,
+    ) -> Result<PathReport, Box<(Failure, PathReport)>> {
         let Analysis { problem, solver, .. } = self.analysis;
         let unable = |cause: Cause| {
-            let attempted = times.first().copied().unwrap_or(0.0);
-            let (stability, clock) = (Stability::default(), problem.clock);
-            let failure = Failure { reached: 0.0, attempted, cause, stability, clock };
-            Box::new((failure, PathReport { iterations: 0, timing: Timing::default() }))
+            let attempted = parameters.first().copied().unwrap_or_default();
+            Box::new((Failure::at_rest(problem.clock, attempted, cause), PathReport::default()))
         };
         let mut path = Path::new(problem, solver).map_err(|e| unable(e.into()))?;
         path.stop_when(Arc::clone(&self.stop));
         if let Some(checkpoint) = from {
             path.resume(checkpoint).map_err(|e| unable(e.into()))?;
         }
-        for &time in times {
-            if let Err(failure) = path.advance_and_tell(time, &mut |event| self.hear(event)) {
-                return Err(Box::new((failure, PathReport { iterations: path.iterations(), timing: path.timing() })));
+        for &parameter in parameters {
+            if let Err(failure) = path.advance_and_tell(parameter, &mut |event| self.hear(event)) {
+                return Err(Box::new((failure, path.report())));
             }
         }
-        Ok(PathReport { iterations: path.iterations(), timing: path.timing() })
+        Ok(path.report())
     }
 
     /// Passes on what the path says.
     fn hear(&mut self, event: newton::Event<'_>) {
         let done = match event {
             _ if self.error.is_some() => Ok(()),
-            newton::Event::StepStarted { step, time } => self.tell(&Event::StepStarted { step, time }),
+            newton::Event::StepStarted { step, parameter } => self.tell(&Event::StepStarted { step, parameter }),
             newton::Event::Iteration(record) => self.tell(&Event::Iteration(record)),
-            newton::Event::StepRejected { step, time, cause } => self.tell(&Event::StepRejected { step, time, cause }),
+            newton::Event::StepRejected { step, parameter, cause } => {
+                self.tell(&Event::StepRejected { step, parameter, cause })
+            }
             newton::Event::StepAccepted(checkpoint) => {
                 self.last_equilibrium.clone_from(&checkpoint.displacement);
                 self.tell(&Event::StepAccepted(checkpoint))

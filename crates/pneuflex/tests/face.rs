@@ -90,7 +90,7 @@ fn too_little_memory_is_an_error_that_can_be_overruled() {
 fn a_cube_under_pressure_is_pressed_down() {
     let analysis = cube().analysis().unwrap();
     let solution = analysis.solve().unwrap();
-    assert_eq!(solution.states.iter().map(|state| state.when()).collect::<Vec<_>>(), [0.5, 1.0]);
+    assert_eq!(solution.states.iter().map(|state| state.when().0).collect::<Vec<_>>(), [0.5, 1.0]);
     let top = |state: usize| solution.fields[state].displacement[7][2];
     assert!(top(1) < top(0) && top(0) < -1e-4, "{} {}", top(0), top(1));
     // 10 kPa on 4 mm² by the bottom's reaction: N, upwards, a little more where the face has widened.
@@ -139,7 +139,7 @@ fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
     });
     let Err(Error::Interrupted(ended)) = stopped.solve() else { panic!("it went on") };
     assert_eq!(ended.reached.states.len(), 2);
-    assert_eq!((ended.failure.reached, ended.reason.is_none()), (2.0, true));
+    assert_eq!((ended.failure.reached.0, ended.reason.is_none()), (2.0, true));
 
     let close = |a: &Solution, states: usize| {
         assert_eq!(a.states.len(), states);

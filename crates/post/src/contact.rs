@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pneuflex_contact::obstacle::distance;
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
 use pneuflex_mesh::Facet;
-use pneuflex_model::{ContactPair, Problem};
+use pneuflex_model::{ContactPair, LoadParameter, Problem};
 
 use crate::error::{PostError, check};
 use crate::search::Surface;
@@ -52,17 +52,17 @@ pub struct ObstacleForce {
     pub facet_force: Vec<[f64; 3]>,
 }
 
-/// Evaluates the contact of a state without multipliers at the beginning of time, see [`evaluate_at`].
+/// Evaluates the contact of a state without multipliers at the beginning of the load path, see [`evaluate_at`].
 ///
 /// # Errors
 /// As there.
 pub fn evaluate(problem: &Problem, displacement: &[[f64; 3]]) -> Result<ContactState, PostError> {
-    evaluate_at(problem, displacement, 0.0, &[])
+    evaluate_at(problem, displacement, LoadParameter::default(), &[])
 }
 
 /// Evaluates the contact of a state.
 ///
-/// `displacement` has three entries per node, mm; `time` tells where obstacles are; `multipliers` (MPa) are those of the contact's
+/// `displacement` has one entry per node, mm; `parameter` tells where obstacles are; `multipliers` (MPa) are those of the contact's
 /// points, or none.
 ///
 /// # Errors
@@ -70,7 +70,7 @@ pub fn evaluate(problem: &Problem, displacement: &[[f64; 3]]) -> Result<ContactS
 pub fn evaluate_at(
     problem: &Problem,
     displacement: &[[f64; 3]],
-    time: f64,
+    parameter: LoadParameter,
     multipliers: &[f64],
 ) -> Result<ContactState, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
@@ -79,7 +79,7 @@ pub fn evaluate_at(
         check("contact multipliers", multipliers, model.num_points())?;
     }
     model.set_multipliers(multipliers.to_vec());
-    model.set_time(time);
+    model.set_parameter(parameter);
     let mut state = ContactState {
         points_active: 0,
         area_mm2: 0.0,
@@ -110,7 +110,7 @@ pub fn evaluate_at(
     let positions: Vec<[f64; 3]> =
         (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|d| x[d] + u[d])).collect();
     for obstacle in &problem.obstacles {
-        let offset = obstacle.offset(time);
+        let offset = obstacle.offset(parameter);
         for node in obstacle.facets.iter().flat_map(|&facet| problem.mesh.facet_nodes(facet)) {
             let found = distance(&obstacle.shape, offset, positions[node as usize]).value;
             let gap = &mut state.nodal_gap[node as usize];
@@ -272,7 +272,7 @@ mod tests {
         let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let bottom = problem.mesh.nearest_node([9.0, 4.0, 0.0]).unwrap().0;
         for (time, expected) in [(0.0, 2.0), (3.0, 2.0), (4.0, 1.0), (5.1, -0.1)] {
-            let state = evaluate_at(&problem, &zero, time, &[]).unwrap();
+            let state = evaluate_at(&problem, &zero, LoadParameter(time), &[]).unwrap();
             assert!((state.nodal_gap[bottom].unwrap() - expected).abs() < 1e-12, "{time}");
             // k d, upwards, on the face and so at its nodes.
             let pressure = state.nodal_traction(&problem)[bottom][2];

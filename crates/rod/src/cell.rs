@@ -84,26 +84,26 @@ pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, Strin
     for state in &free {
         let curvature = gauge.curvature(&problem, &state.displacement)?;
         if state.contact_points == 0 {
-            samples.free.push(FreeSample { pressure_kpa: state.time, curvature });
+            samples.free.push(FreeSample { pressure_kpa: state.parameter.0, curvature });
         }
         stretch = stretch.max(gauge.stretch(&problem, &state.displacement).abs());
     }
 
     let held = problem_with_held_end(&problem);
-    let bent: Vec<&ConvergedState> = free.iter().filter(|s| BENT_KPA.contains(&s.time)).collect();
+    let bent: Vec<&ConvergedState> = free.iter().filter(|s| BENT_KPA.contains(&s.parameter.0)).collect();
     let mut path = Path::new(&held, &case.solver).map_err(|e| e.to_string())?;
     for state in &bent {
-        progress(&format!("cell at {} kPa: bending stiffness", state.time));
+        progress(&format!("cell at {} kPa: bending stiffness", state.parameter));
         let mut end = End::follow(&mut path, &held, &problem, state)?;
         let stiffness = end.stiffness(&gauge)?;
         if end.state.contact_points == 0 {
-            samples.stiffness.push(StiffnessSample { pressure_kpa: state.time, stiffness });
+            samples.stiffness.push(StiffnessSample { pressure_kpa: state.parameter.0, stiffness });
         }
     }
     let mut note = None;
     if case.contact.method != ContactMethod::None {
         for (i, state) in bent.iter().enumerate() {
-            progress(&format!("cell at {} kPa: bent back until its chambers touch", state.time));
+            progress(&format!("cell at {} kPa: bent back until its chambers touch", state.parameter));
             if let Err(cause) = bend_back(&held, &problem, &bent[..=i], &case.solver, &gauge, &mut samples) {
                 note = Some(cause);
             }
@@ -225,7 +225,7 @@ impl<'a> End<'a> {
         free: &ConvergedState,
     ) -> Result<Self, String> {
         let motion = best_motion(free_problem, free_problem.mesh.node_set("end_face"), &free.displacement);
-        let state = path.advance_to(free.time, &mut |_| ()).map_err(|e| e.to_string())?;
+        let state = path.advance_to(free.parameter, &mut |_| ()).map_err(|e| e.to_string())?;
         let mut end = Self { path, problem, motion: [0.0; 3], load: [0.0; 3], state };
         end.move_to(motion)?;
         Ok(end)
@@ -238,7 +238,7 @@ impl<'a> End<'a> {
             held[node as usize] = place(mesh.nodes[node as usize], self.origin(), motion).0;
         }
         self.state =
-            self.path.impose(&held, &mut |_| ()).map_err(|e| format!("the cell's end could not be moved: {e}"))?;
+            self.path.prescribe(&held, &mut |_| ()).map_err(|e| format!("the cell's end could not be moved: {e}"))?;
         self.motion = motion;
         self.load = [0.0; 3];
         for &node in mesh.node_set("end_face") {
@@ -294,7 +294,7 @@ impl<'a> End<'a> {
             let shifts = without_force(stiffness, force, 0.0);
             self.move_to([x + shifts[0], z + shifts[1], turn])?;
         }
-        Err(format!("bent back at {} kPa the cell does not become free of forces", self.state.time))
+        Err(format!("bent back at {} kPa the cell does not become free of forces", self.state.parameter))
     }
 
     /// ∂m/∂κ of the whole width, N·mm², about the unloaded state: a free end's motion leaves next to no load.
@@ -323,7 +323,7 @@ fn bend_back(
         End::follow(&mut path, held, free_problem, state)?;
     }
     let mut end = End::follow(&mut path, held, free_problem, last)?;
-    let pressure_kpa = end.state.time;
+    let pressure_kpa = end.state.parameter.0;
     let mut stiffness = end.derivatives(gauge)?.0;
     // Curvature and least distance of the walls, from turn to turn.
     let mut gaps: Vec<[f64; 2]> = Vec::new();

@@ -136,7 +136,7 @@ fn follow(formulation: Formulation, material: Material, cells: [usize; 2], contr
     let mut found = None;
     let mut observer = |event: Event<'_>| {
         if let Event::Converged(state) = event {
-            found = Some(state.cavity_pressures[0]);
+            found = Some(state.cavity_pressures[0].mpa());
         }
     };
     follow_path(&problem, &[1.0], &settings, &mut observer).map_err(|ended| ended.0.to_string())?;

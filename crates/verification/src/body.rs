@@ -47,7 +47,7 @@ pub fn impose(
 ) -> Result<Vec<ConvergedState>, String> {
     let settings = Solver { tolerance: 1e-9, max_iterations: 40, ..Solver::default() };
     let mut path = Path::new(problem, &settings).map_err(|e| e.to_string())?;
-    stages.into_iter().map(|stage| path.impose(&stage, &mut |_| ()).map_err(|cause| cause.to_string())).collect()
+    stages.into_iter().map(|stage| path.prescribe(&stage, &mut |_| ()).map_err(|cause| cause.to_string())).collect()
 }
 
 /// Equilibrium under a pressure, kPa, reached in ten equal steps that are all solved to the end: with a bulk modulus as large

@@ -1,12 +1,14 @@
 //! Every contribution: residual against the energy, tangent against the residual, in a deformed state.
 
+use std::sync::Arc;
+
 use pneuflex_assembly::{
-    Assembler, BoundaryTerm, Couplings, FollowerPressure, LocalContribution, Request, Solid, Totals,
+    Assembler, BoundaryTerm, Couplings, FollowerPressure, LocalContribution, Mixed, Prediction, Request, Solid, Totals,
 };
 use pneuflex_factor::multiply;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
-use pneuflex_model::{Formulation, Invariant, Material, Volumetric};
+use pneuflex_model::{Formulation, Invariant, Material, Pressure, Volumetric};
 
 const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 
@@ -102,7 +104,7 @@ fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
         let actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
         let mesh = build_actuator(&actuator, &size, formulation.element_kind()).unwrap();
         let mut pressure = FollowerPressure::new(mesh.clone(), mesh.facet_set("cavity"));
-        pressure.pressure = 0.3;
+        pressure.pressure = Pressure::from_mpa(0.3);
         let symmetry = mesh.node_set("symmetry").to_vec();
         let mut u = deformation(&mesh, 0.5);
         for &node in &symmetry {
@@ -137,11 +139,11 @@ fn carried_pressures_change_the_geometric_tangent_only() {
         let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
         let u = deformation(&mesh, 0.3);
         let (_, plain) = totals(&solid, &u, Request::Tangent);
-        solid.carry_pressures(&u);
+        carry(&mut solid, &u, None);
         let (_, same) = totals(&solid, &u, Request::Tangent);
         assert_eq!(plain, same, "carrying the residual's own pressure changes nothing");
         let correction = deformation(&mesh, 1e-3);
-        solid.update_pressures(&u, &correction);
+        carry(&mut solid, &u, Some(&correction));
         let (_, other) = totals(&solid, &u, Request::Tangent);
         assert_eq!(plain.residual, other.residual);
         assert_ne!(plain.tangent, other.tangent);
@@ -158,6 +160,13 @@ fn carried_pressures_change_the_geometric_tangent_only() {
     }
 }
 
+/// Lets the next tangent carry the pressures of a state, or those predicted for a correction.
+fn carry(solid: &mut Solid, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) {
+    let (displacement, correction) = (displacement.to_vec(), correction.map(<[_]>::to_vec));
+    solid.predict(&Arc::new(Prediction { displacement, correction }));
+    solid.linearise();
+}
+
 /// Pressure on an open surface: symmetric part and rim together are the derivative of the load.
 #[test]
 fn pressure_on_an_open_surface() {
@@ -166,7 +175,7 @@ fn pressure_on_an_open_surface() {
         let facets = mesh.boundary_facets().into_iter().filter(|facet| facet.element < 3).take(3).collect::<Vec<_>>();
         let (mut pressure, rim) =
             (FollowerPressure::new(mesh.clone(), &facets), BoundaryTerm::new(mesh.clone(), &facets));
-        pressure.pressure = 0.3;
+        pressure.pressure = Pressure::from_mpa(0.3);
         let u = deformation(&mesh, 0.4);
         let (assembler, here) = totals(&pressure, &u, Request::Tangent);
         let mut couplings = Couplings::default();
@@ -201,9 +210,9 @@ fn pressure_on_an_open_surface() {
         // Without free ends there is nothing to add, nor around a closed surface.
         let all = mesh.boundary_facets();
         let mut closed = Couplings::default();
-        BoundaryTerm::new(mesh.clone(), &all).couple(0.3, &u, &mut closed);
+        BoundaryTerm::new(mesh.clone(), &all).couple(Pressure::from_mpa(0.3), &u, &mut closed);
         assert!(closed.is_empty());
-        rim.couple(0.3, &u, &mut closed);
+        rim.couple(Pressure::from_mpa(0.3), &u, &mut closed);
         assert!(closed.condensed(&vec![true; 3 * u.len()]).is_empty());
     }
 }

@@ -4,7 +4,7 @@ use crate::support::total;
 use pneuflex_contact::{ContactModel, Partner};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
-use pneuflex_model::{Contact, Curve, Motion, Obstacle, Shape};
+use pneuflex_model::{Contact, Curve, LoadParameter, Motion, Obstacle, Shape};
 
 const KINDS: [ElementKind; 4] = ElementKind::ALL;
 
@@ -85,9 +85,9 @@ fn a_plane_that_is_moved_presses_with_k_delta() {
         let plane = Obstacle { motion: Some(motion), ..obstacle(&mesh, shape) };
         let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[plane]);
         assert!(model.search(&mesh.nodes).is_empty());
-        model.set_time(4.9);
+        model.set_parameter(LoadParameter(4.9));
         assert!(model.search(&mesh.nodes).is_empty());
-        model.set_time(5.2);
+        model.set_parameter(LoadParameter(5.2));
         let pressed = total(&model, &mesh.nodes);
         let sum: f64 = pressed.gradient.iter().skip(2).step_by(3).sum();
         assert!((sum + 3.0 * 0.02 * 4.0).abs() < 1e-12, "{kind:?}: {sum}");

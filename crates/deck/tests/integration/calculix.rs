@@ -32,7 +32,7 @@ fn differences(name: &str) -> Vec<f64> {
     let landings = reference["landings"].as_array().unwrap();
     assert_eq!(landings.len(), states.len());
     let difference = |(state, landing): (&ConvergedState, &Value)| {
-        assert!((state.time - landing["time"].as_f64().unwrap()).abs() < 1e-12);
+        assert!((state.parameter.0 - landing["time"].as_f64().unwrap()).abs() < 1e-12);
         let (mut largest, mut scale) = (0.0_f64, 0.0_f64);
         for (number, expected) in landing["displacement_mm"].as_object().unwrap() {
             let number: i32 = number.parse().unwrap();

@@ -129,7 +129,7 @@ proptest! {
             });
             let motions = deck.problem.supports.iter().filter_map(|support| Some(&support.motion.as_ref()?.curve));
             for curve in curves.chain(motions) {
-                prop_assert!(curve.corners().all(|time| time.is_finite() && curve.at(time).is_finite()));
+                prop_assert!(curve.corners().all(|at| at.0.is_finite() && curve.at(at).is_finite()));
             }
             prop_assert!(deck.schedule.times.windows(2).all(|pair| pair[0] < pair[1]));
             prop_assert!(deck.schedule.times.iter().all(|time| time.is_finite() && *time > 0.0));

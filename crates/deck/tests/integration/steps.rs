@@ -3,7 +3,7 @@
 use crate::support::{cubes, deck, errors, node, notes, numbers};
 use pneuflex_mesh::Facet;
 use pneuflex_model::load::Load;
-use pneuflex_model::{ContactMethod, Curve};
+use pneuflex_model::{ContactMethod, Curve, LoadParameter};
 
 fn table(points: &[[f64; 2]]) -> Curve {
     Curve::Table(points.to_vec())
@@ -46,7 +46,7 @@ fn displacements_move_over_their_steps() {
     assert_eq!(deck.schedule.times, [1.0, 2.0, 3.0]);
     let tip = node(&deck, 9) as usize;
     for (time, expected) in [(0.0, 0.0), (0.5, 0.25), (1.0, 0.5), (1.5, -0.25), (2.0, -1.0), (2.7, -1.0)] {
-        let displacement = deck.problem.held_displacement(time);
+        let displacement = deck.problem.held_displacement(LoadParameter(time));
         assert_eq!(displacement[tip], [expected, 0.0, 0.0], "at {time}");
         assert_eq!(displacement[node(&deck, 1) as usize], [0.0; 3]);
     }
@@ -82,7 +82,7 @@ fn pressures_act_on_faces_and_surfaces() {
         .loads
         .iter()
         .map(|load| match load {
-            Load::Pressure { facets, curve } => (curve.at(1.0), facets.clone()),
+            Load::Pressure { facets, curve } => (curve.at(LoadParameter(1.0)), facets.clone()),
             _ => panic!(),
         })
         .collect();
@@ -102,7 +102,7 @@ fn weight_acts_along_its_direction() {
     for load in &deck.problem.loads {
         let Load::Gravity { elements, acceleration: unit, curve } = load else { panic!() };
         for element in elements.clone().unwrap_or(vec![0, 1]) {
-            (0..3).for_each(|i| acceleration[element as usize][i] += unit[i] * curve.at(1.0));
+            (0..3).for_each(|i| acceleration[element as usize][i] += unit[i] * curve.at(LoadParameter(1.0)));
         }
     }
     assert_eq!(acceleration, [[1.0, 0.0, 0.0], [1.0, 6.0, -8.0]]);
@@ -123,9 +123,9 @@ fn amplitudes_shape_values() {
         let Some(Load::Force { curve, .. }) = deck.problem.loads.iter().find(is_on) else { panic!() };
         curve
     };
-    assert_eq!([0.25, 0.5, 1.0, 2.0].map(|t| curve(9).at(t)), [3.0, 6.0, 3.0, 3.0]);
-    assert_eq!([0.25, 0.5, 1.0, 2.0].map(|t| curve(10).at(t)), [1.0, 2.0, 4.0, 8.0]);
-    assert_eq!(deck.problem.held_displacement(0.5)[node(&deck, 1) as usize][0], 0.2);
+    assert_eq!([0.25, 0.5, 1.0, 2.0].map(|t| curve(9).at(LoadParameter(t))), [3.0, 6.0, 3.0, 3.0]);
+    assert_eq!([0.25, 0.5, 1.0, 2.0].map(|t| curve(10).at(LoadParameter(t))), [1.0, 2.0, 4.0, 8.0]);
+    assert_eq!(deck.problem.held_displacement(LoadParameter(0.5))[node(&deck, 1) as usize][0], 0.2);
 }
 
 #[test]

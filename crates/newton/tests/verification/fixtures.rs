@@ -1,10 +1,10 @@
 //! Problems, paths and comparisons that the tests share.
 
 use nalgebra::DMatrix;
-use pneuflex_factor::BlockPattern;
+use pneuflex_factor::{BlockPattern, Parallelism};
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver};
-use pneuflex_newton::{ConvergedState, Event, follow_path};
+use pneuflex_newton::{ConvergedState, Event, State, System, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
 pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
@@ -65,6 +65,14 @@ pub fn noise(nodes: usize, amplitude: f64, seed: u64) -> Vec<[f64; 3]> {
 /// a + b.
 pub fn sum(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] + b[k])).collect()
+}
+
+/// Energies of the solid and of the contact's penalty at a displacement without loads, mJ.
+pub fn energies(problem: &Problem, displacement: &[[f64; 3]]) -> [f64; 2] {
+    let mut system = System::new(problem, Parallelism::Threads).unwrap();
+    let state = State { displacement: displacement.to_vec(), ..State::at_rest(0, system.num_bordered()) };
+    let all = system.energies(&state).unwrap();
+    ["solid", "contact"].map(|name| all.iter().filter(|(of, _)| *of == name).map(|(_, energy)| energy).sum())
 }
 
 /// Sum over all nodes.
@@ -149,11 +157,11 @@ pub fn follow_reference(problem: &Problem, pressures_kpa: &[f64]) -> (ReferenceS
 pub fn assert_same_states(name: &str, found: &[ConvergedState], expected: &[ReferenceState]) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {
-        assert_eq!(found.time, expected.pressure_kpa);
+        assert_eq!(found.parameter.0, expected.pressure_kpa);
         let u = difference(found.displacement.as_flattened(), &expected.displacement);
         let reaction = difference(found.reaction.as_flattened(), &expected.reaction());
-        println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.time);
-        assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.time);
+        println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.parameter);
+        assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.parameter);
     }
 }
 

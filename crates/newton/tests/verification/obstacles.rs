@@ -52,7 +52,7 @@ fn nominal(material: &Material, stretch: f64) -> f64 {
 /// Depths of all touching points at the end, mm, and the force that carries the block, N.
 fn depths_and_force(problem: &Problem, state: &ConvergedState) -> (Vec<f64>, f64) {
     let mut model = ContactModel::of(problem);
-    model.set_time(state.time);
+    model.set_parameter(state.parameter);
     model.set_multipliers(state.contact_multipliers.clone());
     let positions = sum(&problem.mesh.nodes, &state.displacement);
     let depths = model.search(&positions).iter().flat_map(|b| &b.points).map(|p| -p.distance).collect();
@@ -118,13 +118,13 @@ fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
     let expected = pressures.map(|pressure| path.advance_to(pressure, &mut observer).unwrap());
     for state in &expected[1..] {
         let augmentation = state.augmentation.as_ref().unwrap();
-        println!("{} kPa: {augmentation:?}", state.time);
+        println!("{} kPa: {augmentation:?}", state.parameter);
         assert!(augmentation.failure.is_none() && augmentation.count > 0);
         assert!(deepest(&problem, state) <= 1e-3);
     }
-    assert!(checkpoints.iter().any(|c| !pressures.contains(&c.time) && !c.contact_multipliers.is_empty()));
+    assert!(checkpoints.iter().any(|c| !pressures.contains(&c.parameter.0) && !c.contact_multipliers.is_empty()));
     for checkpoint in checkpoints {
-        let from = checkpoint.time;
+        let from = checkpoint.parameter.0;
         let mut observer = |_: pneuflex_newton::Event<'_>| ();
         let mut path = Path::new(&problem, &settings).unwrap();
         path.resume(checkpoint).unwrap();

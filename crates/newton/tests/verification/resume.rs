@@ -21,7 +21,7 @@ fn problem() -> Problem {
 
 fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<ConvergedState>) {
     let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
-    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
+    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.parameter.0);
     let settings = settings();
     let mut observer = |event: Event<'_>| {
         if let Event::StepAccepted(checkpoint) = event {
@@ -42,17 +42,17 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
 fn every_checkpoint_leads_to_the_same_end() {
     let problem = problem();
     let (checkpoints, expected) = follow_from(&problem, None);
-    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.time)).count();
+    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.parameter.0)).count();
     assert!(between > 3 && expected.last().unwrap().contact_points > 0);
     assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
     for checkpoint in checkpoints {
-        let at = checkpoint.time;
+        let at = checkpoint.parameter.0;
         let (_, landed) = follow_from(&problem, Some(checkpoint));
         let expected = &expected[expected.len() - landed.len()..];
         for (found, expected) in landed.iter().zip(expected) {
             let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
             let reaction = difference(found.reaction.as_flattened(), expected.reaction.as_flattened());
-            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.time);
+            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.parameter);
             assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
             assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
         }
@@ -81,12 +81,16 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
         (landed, checkpoints)
     };
     let (expected, checkpoints) = follow(None);
-    assert!(expected.cavity_pressures[0] > 0.005 && expected.contact_points > 0, "{:?}", expected.cavity_pressures);
-    assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.border.len() == 1));
+    assert!(
+        expected.cavity_pressures[0].mpa() > 0.005 && expected.contact_points > 0,
+        "{:?}",
+        expected.cavity_pressures
+    );
+    assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.bordered.len() == 1));
     for checkpoint in checkpoints {
         let (landed, _) = follow(Some(checkpoint));
         let u = difference(landed.displacement.as_flattened(), expected.displacement.as_flattened());
-        let pressure = landed.cavity_pressures[0] / expected.cavity_pressures[0] - 1.0;
+        let pressure = landed.cavity_pressures[0].mpa() / expected.cavity_pressures[0].mpa() - 1.0;
         assert!(u < 1e-10 && pressure.abs() < 1e-10, "{u:.1e}, {pressure:.1e}");
     }
 }
@@ -103,7 +107,7 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
         Event::Iteration(record) => {
             iterations += 1;
             // In the middle of a step on the way to the second pressure.
-            stop.store(record.time > 10.0, Ordering::Relaxed);
+            stop.store(record.parameter.0 > 10.0, Ordering::Relaxed);
         }
         Event::StepRejected { cause, .. } => panic!("{cause}"),
         _ => (),

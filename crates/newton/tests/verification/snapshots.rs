@@ -7,16 +7,15 @@ use insta::Settings;
 use insta::Snapshot;
 use insta::comparator::Comparator;
 use pneuflex_assembly::FollowerPressure;
-use pneuflex_factor::Parallelism;
 use pneuflex_mesh::Actuator;
 use pneuflex_model::{Case, ContactMethod, Formulation, Invariant, Problem};
-use pneuflex_newton::{ConvergedState, System};
+use pneuflex_newton::ConvergedState;
 use pneuflex_reference::{ReferenceSolver, ReferenceState};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::fixtures::{
-    actuator_problem, coarse_chambers, difference, follow, follow_reference, resultant, strict, touching,
+    actuator_problem, coarse_chambers, difference, energies, follow, follow_reference, resultant, strict, touching,
 };
 
 /// Digits kept in snapshots, and the size below which a number (mm, N, mJ) counts as zero.
@@ -98,16 +97,15 @@ impl State<'_> {
 }
 
 fn production_json(problem: &Problem, states: &[ConvergedState]) -> Value {
-    let mut system = System::new(problem, Parallelism::Threads).unwrap();
     let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     let described = states.iter().map(|state| {
         let u = &state.displacement;
         State {
-            pressure_kpa: state.time,
+            pressure_kpa: state.parameter.0,
             displacement: &state.displacement,
             reaction: &state.reaction,
             contact_points: state.contact_points,
-            energies: system.energies(u).unwrap(),
+            energies: energies(problem, u),
             cavity_volume: pressure.volume(u),
         }
         .to_json(problem)
@@ -203,12 +201,11 @@ fn check_stored(name: &str, text: &str, touches: bool) {
     assert!((3000..4000).contains(&problem.num_unknowns()));
     let held = problem.held_dofs();
     let found = follow(&problem, &run.case.load.pressure_kpa, &strict());
-    let mut system = System::new(&problem, Parallelism::Threads).unwrap();
     let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     assert_eq!(found.len(), run.states.len());
     for (found, stored) in found.iter().zip(&run.states) {
         let kpa = stored.pressure_kpa;
-        assert_eq!((found.time, found.contact_points), (kpa, stored.contact_points));
+        assert_eq!((found.parameter.0, found.contact_points), (kpa, stored.contact_points));
         let u = difference(found.displacement.as_flattened(), &stored.displacement);
         let at_held: Vec<f64> =
             found.reaction.as_flattened().iter().zip(&held).filter(|(_, held)| **held).map(|(r, _)| *r).collect();
@@ -216,7 +213,7 @@ fn check_stored(name: &str, text: &str, touches: bool) {
         println!("{name}, {kpa} kPa: displacement {u:.1e}, reaction {reaction:.1e}");
         assert!(u < 1e-8 && reaction < 1e-6, "{name}, {kpa} kPa: {u:.1e}, {reaction:.1e}");
         let u = &found.displacement;
-        let energies = system.energies(u).unwrap();
+        let energies = energies(&problem, u);
         let of_energies = difference(&energies, &[stored.energy.solid, stored.energy.contact]);
         let volume = pressure.volume(u) / stored.cavity_volume - 1.0;
         assert!(of_energies < 1e-8 && volume.abs() < 1e-8, "{name}, {kpa} kPa: {of_energies:.1e}, {volume:.1e}");
