@@ -105,7 +105,7 @@ pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
             say(line);
         }
     };
-    let found = cell::sample(case, &mut progress).and_then(|cell| {
+    let found = cell::sample(case, &mut progress).map_err(|e| e.to_string()).and_then(|cell| {
         let identified = identify(&cell.samples).map_err(|e| e.to_string())?;
         Ok((cell, identified))
     });

@@ -201,10 +201,10 @@ fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
     })
 }
 
-fn first_and_last<'a>(
-    steps: &'a [StepSummary],
+fn first_and_last(
+    steps: &[StepSummary],
     holds: impl Fn(&StepSummary) -> bool,
-) -> (Option<&'a StepSummary>, Option<&'a StepSummary>) {
+) -> (Option<&StepSummary>, Option<&StepSummary>) {
     let mut those = steps.iter().filter(|step| holds(step));
     let first = those.next();
     (first, those.last().or(first))

@@ -30,7 +30,7 @@ pub struct Study {
 
 #[derive(Clone, Debug)]
 enum Described {
-    Actuator(CaseFile),
+    Actuator(Box<CaseFile>),
     Model(Box<Written<Model>>),
     Deck,
 }
@@ -182,5 +182,5 @@ fn read(path: &Path, text: &Arc<str>, changes: &[Change]) -> Result<Described, V
     if is_model(text) {
         return Ok(Described::Model(Box::new(Written::from_text(path, text.clone(), changes)?)));
     }
-    Ok(Described::Actuator(CaseFile::from_text(path, text.clone(), changes)?))
+    Ok(Described::Actuator(Box::new(CaseFile::from_text(path, text.clone(), changes)?)))
 }
