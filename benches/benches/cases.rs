@@ -2,9 +2,9 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use pneuflex::model::{Formulation, Problem, Resolution, Solver};
+use pneuflex::newton::follow_path;
 use pneuflex_benches::{full_actuator, resolved_actuator, two_chambers};
-use pneuflex_model::{Formulation, Problem, Resolution, Solver};
-use pneuflex_newton::follow_path;
 
 fn run(problem: &Problem) -> usize {
     let pressures = [5.0, 15.0, 25.0, 35.0, 50.0];

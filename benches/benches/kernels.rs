@@ -1,13 +1,12 @@
-//! Assembly, contact search, factorisation, solution and warp, and the Newton step made of them, for each element formulation.
+//! Residual, contact search, tangent, solution and rotation update, and the Newton step made of them, for each element formulation.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use pneuflex_assembly::Request;
+use pneuflex::model::Formulation;
+use pneuflex::newton::{State, System};
 use pneuflex_benches::{full_actuator, smooth_displacement, touching_positions};
 use pneuflex_contact::ContactModel;
 use pneuflex_factor::Parallelism;
-use pneuflex_model::Formulation;
-use pneuflex_newton::System;
 
 const CASES: [(Formulation, f64); 4] =
     [(Formulation::Hex8Sri, 1.0), (Formulation::Hex8Q1p0, 1.0), (Formulation::Hex20, 2.0), (Formulation::Hex27, 2.0)];
@@ -24,30 +23,35 @@ fn kernels(c: &mut Criterion) {
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut system = pool.install(|| System::new(&problem, Parallelism::Threads)).unwrap();
-            group.bench_function(BenchmarkId::new("assembly", threads), |b| {
-                pool.install(|| b.iter(|| system.assemble(&u, 5.0, &[], Request::Tangent).unwrap()));
+            let bent = State::new(5.0, u.clone(), Vec::new());
+            group.bench_function(BenchmarkId::new("residual", threads), |b| {
+                pool.install(|| b.iter(|| system.residual(&bent).unwrap()));
             });
             group.bench_function(BenchmarkId::new("contact search", threads), |b| {
                 pool.install(|| b.iter(|| contact.search(&touching)));
             });
             // A state whose tangent is positive definite: rest.
-            let rest = vec![[0.0; 3]; u.len()];
-            pool.install(|| system.assemble(&rest, 0.0, &[], Request::Tangent)).unwrap();
-            group.bench_function(BenchmarkId::new("factorisation", threads), |b| {
-                pool.install(|| b.iter(|| system.factorize().unwrap()));
+            let rest = State::at_rest(u.len(), 0);
+            group.bench_function(BenchmarkId::new("tangent, assembled and factorised", threads), |b| {
+                pool.install(|| {
+                    b.iter(|| {
+                        let (_, tangent) = system.tangent(&rest).unwrap();
+                        system.recycle(Some(tangent));
+                    });
+                });
             });
-            // The residual of a small pressure; a correction to warp.
-            pool.install(|| system.assemble(&rest, 1.0, &[], Request::Tangent)).unwrap();
-            pool.install(|| system.factorize()).unwrap();
+            // The residual of a small pressure; a correction to apply.
+            let (assembled, tangent) = pool.install(|| system.tangent(&rest.moved_to(1.0.into()))).unwrap();
             group.bench_function(BenchmarkId::new("solution", threads), |b| {
-                pool.install(|| b.iter(|| system.solve(None).unwrap()));
+                pool.install(|| b.iter(|| system.solve(&tangent, &assembled, None).unwrap()));
             });
-            let correction = pool.install(|| system.solve(None)).unwrap();
-            group.bench_function(BenchmarkId::new("warp", threads), |b| {
+            let correction = pool.install(|| system.solve(&tangent, &assembled, None)).unwrap();
+            system.recycle(Some(tangent));
+            group.bench_function(BenchmarkId::new("rotation update", threads), |b| {
                 pool.install(|| {
                     b.iter(|| {
                         let mut moved = rest.clone();
-                        system.warp(&mut moved, &correction.displacement).unwrap();
+                        system.move_by(&mut moved, &correction).unwrap();
                         moved
                     });
                 });
@@ -55,13 +59,12 @@ fn kernels(c: &mut Criterion) {
             group.bench_function(BenchmarkId::new("Newton step", threads), |b| {
                 pool.install(|| {
                     b.iter(|| {
-                        system.carry_pressures(&rest);
-                        system.assemble(&rest, 0.0, &[], Request::Tangent).unwrap();
-                        system.factorize().unwrap();
-                        let correction = system.solve(None).unwrap();
-                        let mut moved = rest.clone();
-                        system.carry(&rest, &correction.displacement);
-                        system.warp(&mut moved, &correction.displacement).unwrap();
+                        system.predict(&rest.displacement, None);
+                        let mut moved = rest.moved_to(1.0.into());
+                        let (assembled, tangent) = system.tangent(&moved).unwrap();
+                        let correction = system.solve(&tangent, &assembled, None).unwrap();
+                        system.apply(&mut moved, &correction).unwrap();
+                        system.recycle(Some(tangent));
                         moved
                     });
                 });

@@ -1,7 +1,7 @@
 //! Problems that the benchmarks share.
 
-use pneuflex_mesh::{Actuator, MeshSize};
-use pneuflex_model::{Contact, Formulation, Invariant, Material, Problem, Resolution};
+use pneuflex::mesh::{Actuator, MeshSize};
+use pneuflex::model::{Contact, Formulation, Invariant, Material, Problem, Resolution};
 
 /// The paper's full actuator, half model, with a given element and size (mm).
 ///

@@ -1,31 +1,139 @@
-//! Touching faces as a contribution: an adapter around the contact crate.
+//! Contact as a contribution: an adapter around the contact crate.
 
-use pneuflex_contact::{ContactBlock, ContactModel, evaluate_block};
+use std::sync::Arc;
 
+use pneuflex_contact::{ContactBlock, ContactModel, evaluate_block, predicted_tractions};
+use pneuflex_mesh::Mesh;
+use pneuflex_model::Problem;
+
+use crate::contribution::{Contribution, Mixed, Position, Prediction, Unilateral};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
-/// The face pairs that touch at one set of displacements. Valid at those displacements only.
+/// The face pairs that touch at the position taken last.
 #[derive(Clone, Debug)]
-pub struct Contact<'a> {
-    model: &'a ContactModel,
+pub struct ContactForces {
+    model: ContactModel,
+    mesh: Arc<Mesh>,
     /// Touching pairs of faces.
-    pub blocks: Vec<ContactBlock>,
+    blocks: Vec<ContactBlock>,
+    /// Where they were found: positions of the nodes, mm.
     positions: Vec<[f64; 3]>,
+    /// Traction of every contact point in the tangent's geometric term, MPa.
+    carried: Vec<f64>,
 }
 
-impl<'a> Contact<'a> {
-    /// Searches the touching pairs at `positions` (mm).
-    pub fn search(model: &'a ContactModel, positions: Vec<[f64; 3]>) -> Self {
-        Self { model, blocks: model.search(&positions), positions }
+impl ContactForces {
+    /// The contact of a problem, at rest.
+    pub fn of(problem: &Problem) -> Self {
+        let model = ContactModel::of(problem);
+        let carried = vec![0.0; model.num_points()];
+        Self { model, mesh: problem.mesh.clone(), blocks: Vec::new(), positions: Vec::new(), carried }
     }
 
-    /// Number of touching points.
-    pub fn num_points(&self) -> usize {
+    /// Touching pairs of faces at the position taken last.
+    pub fn touching(&self) -> &[ContactBlock] {
+        &self.blocks
+    }
+
+    fn found_at(&self, displacement: &[[f64; 3]]) -> Vec<ContactBlock> {
+        self.model.search(&self.mesh.deformed(displacement))
+    }
+}
+
+impl Contribution for ContactForces {
+    fn name(&self) -> &'static str {
+        "contact"
+    }
+
+    fn set_position(&mut self, position: Position<'_>) {
+        self.model.set_parameter(position.parameter);
+        self.positions = self.mesh.deformed(position.displacement);
+        self.blocks = self.model.search(&self.positions);
+        for point in self.blocks.iter_mut().flat_map(|block| &mut block.points) {
+            point.traction = self.carried[point.number];
+        }
+    }
+
+    fn blocks(&self) -> Option<&dyn LocalContribution> {
+        Some(self)
+    }
+
+    fn mixed(&mut self) -> Option<&mut dyn Mixed> {
+        Some(self)
+    }
+
+    fn unilateral(&self) -> Option<&dyn Unilateral> {
+        Some(self)
+    }
+
+    fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        Some(self)
+    }
+}
+
+impl Mixed for ContactForces {
+    fn predict(&mut self, prediction: &Arc<Prediction>) {
+        self.carried.fill(0.0);
+        if let Some(correction) = &prediction.correction {
+            for block in &self.blocks {
+                for (number, traction) in predicted_tractions(&self.model, block, &self.positions, correction) {
+                    self.carried[number] = traction;
+                }
+            }
+        } else {
+            for point in self.found_at(&prediction.displacement).iter().flat_map(|block| &block.points) {
+                self.carried[point.number] = point.traction;
+            }
+        }
+    }
+
+    fn stored(&self) -> &[f64] {
+        &self.carried
+    }
+
+    fn restore(&mut self, stresses: &[f64]) {
+        self.carried.copy_from_slice(stresses);
+    }
+}
+
+impl Unilateral for ContactForces {
+    fn num_points(&self) -> usize {
+        self.model.num_points()
+    }
+
+    fn num_active(&self) -> usize {
         self.blocks.iter().map(|block| block.points.len()).sum()
     }
+
+    fn near_nodes(&self) -> Vec<Vec<u32>> {
+        self.model.near_face_pairs(&self.positions)
+    }
+
+    fn deepest_penetration(&self, displacement: &[[f64; 3]]) -> f64 {
+        let blocks = self.found_at(displacement);
+        blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
+    }
+
+    fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
+        let mut tractions = vec![0.0; self.model.num_points()];
+        let mut distance: f64 = 0.0;
+        for point in self.found_at(displacement).iter().flat_map(|block| &block.points) {
+            tractions[point.number] = point.traction;
+            distance = distance.max(point.distance.abs());
+        }
+        (tractions, distance)
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.model.multipliers()
+    }
+
+    fn set_multipliers(&mut self, multipliers: Vec<f64>) {
+        self.model.set_multipliers(multipliers);
+    }
 }
 
-impl LocalContribution for Contact<'_> {
+impl LocalContribution for ContactForces {
     fn num_blocks(&self) -> usize {
         self.blocks.len()
     }
@@ -34,6 +142,7 @@ impl LocalContribution for Contact<'_> {
         &self.blocks[block].nodes
     }
 
+    /// The blocks are valid at the position taken last only; `displacement` is not used.
     fn evaluate(
         &self,
         block: usize,
@@ -42,7 +151,7 @@ impl LocalContribution for Contact<'_> {
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
         let with_tangent = request == Request::Tangent;
-        let result = evaluate_block(self.model, &self.blocks[block], &self.positions, with_tangent);
+        let result = evaluate_block(&self.model, &self.blocks[block], &self.positions, with_tangent);
         out.energy += result.energy;
         for (r, value) in out.residual.iter_mut().zip(result.residual.chunks_exact(3)) {
             for k in 0..3 {

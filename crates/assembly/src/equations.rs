@@ -1,13 +1,19 @@
 //! Linear equations between displacements, Σ cᵢ uᵢ = b.
 //!
-//! A solver enforces them exactly by a multiplier each. What is here is the stabilising half of the augmented Lagrangian, ½ γ (cᵀu − b)²:
-//! it changes no solution, and keeps the tangent regular where a part of the body is held by equations alone.
+//! They are enforced exactly by a multiplier each, an unknown beside the displacements with the equation g = cᵀu − b and the column B = c.
+//! The blocks are the stabilising half of the augmented Lagrangian, ½ γ (cᵀu − b)²: it changes no solution, and keeps the tangent
+//! regular where a part of the body is held by equations alone.
 
-use pneuflex_model::LinearEquation;
+use pneuflex_model::{LinearEquation, LoadParameter, Problem};
 
+use crate::contribution::{BorderedEquation, Contribution, Position};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
-/// The equations, with the right-hand sides of one time.
+/// Stiffness that stabilises linear equations, relative to a shear modulus times an element's size: large enough to carry a part of the
+/// body, small enough to lose no digits.
+const STIFFNESS: f64 = 10.0;
+
+/// The equations, with the right-hand sides and the multipliers of one position.
 #[derive(Clone, Debug)]
 pub struct Equations {
     equations: Vec<LinearEquation>,
@@ -15,11 +21,23 @@ pub struct Equations {
     /// γ of every equation, N/mm per coefficient squared.
     stiffness: Vec<f64>,
     values: Vec<f64>,
+    /// λ of every equation, N.
+    multipliers: Vec<f64>,
+    /// What cᵀu is large against, mm.
+    size: f64,
 }
 
 impl Equations {
-    /// Equations with a stiffness (N/mm) that single nodes have.
-    pub fn new(equations: &[LinearEquation], stiffness: f64) -> Self {
+    /// Those of a problem.
+    pub fn of(problem: &Problem) -> Self {
+        let mesh = &problem.mesh;
+        let (materials, _) = problem.materials();
+        let stiffest = materials.iter().map(|material| material.shear_modulus()).fold(0.0, f64::max);
+        Self::new(&problem.equations, STIFFNESS * stiffest * mesh.mean_element_size(), mesh.extent())
+    }
+
+    /// Equations with a stiffness (N/mm) that single nodes have, for a body of a size (mm).
+    pub fn new(equations: &[LinearEquation], stiffness: f64, size: f64) -> Self {
         let nodes = equations.iter().map(|equation| {
             let mut nodes: Vec<u32> = equation.terms.iter().map(|term| term.0).collect();
             nodes.sort_unstable();
@@ -31,6 +49,8 @@ impl Equations {
             nodes: nodes.collect(),
             stiffness: equations.iter().map(|equation| stiffness / squared(equation)).collect(),
             values: vec![0.0; equations.len()],
+            multipliers: vec![0.0; equations.len()],
+            size,
             equations: equations.to_vec(),
         }
     }
@@ -45,10 +65,10 @@ impl Equations {
         self.equations.is_empty()
     }
 
-    /// Takes the right-hand sides of a time.
-    pub fn set_time(&mut self, time: f64) {
+    /// Takes the right-hand sides of a position on the load path.
+    pub fn set_parameter(&mut self, parameter: LoadParameter) {
         for (value, equation) in self.values.iter_mut().zip(&self.equations) {
-            *value = equation.value.at(time);
+            *value = equation.value.at(parameter);
         }
     }
 
@@ -66,6 +86,44 @@ impl Equations {
             column[node as usize][axis as usize] += c;
         }
         column
+    }
+}
+
+impl Contribution for Equations {
+    fn name(&self) -> &'static str {
+        "linear equations"
+    }
+
+    fn set_position(&mut self, position: Position<'_>) {
+        self.set_parameter(position.parameter);
+        self.multipliers.copy_from_slice(position.bordered);
+    }
+
+    fn blocks(&self) -> Option<&dyn LocalContribution> {
+        Some(self)
+    }
+
+    fn add_forces(&self, residual: &mut [[f64; 3]]) {
+        for (equation, multiplier) in self.equations.iter().zip(&self.multipliers) {
+            for &(node, axis, c) in &equation.terms {
+                residual[node as usize][axis as usize] += multiplier * c;
+            }
+        }
+    }
+
+    fn num_bordered(&self) -> usize {
+        self.equations.len()
+    }
+
+    fn bordered_equations(&self, displacement: &[[f64; 3]]) -> Vec<BorderedEquation> {
+        let of = |equation| BorderedEquation {
+            value: self.violation(equation, displacement),
+            along_column: 1.0,
+            by_unknown: 0.0,
+            scale: self.size,
+            column: self.column(equation, displacement.len()),
+        };
+        (0..self.equations.len()).map(of).collect()
     }
 }
 
@@ -125,8 +183,8 @@ mod tests {
     #[test]
     fn residual_and_tangent_are_derivatives_of_the_energy() {
         let terms = vec![(4, 0, 1.0), (1, 2, -2.0), (4, 1, 0.5), (2, 0, 3.0)];
-        let mut equations = Equations::new(&[LinearEquation { terms, value: Curve::Proportional(0.2) }], 7.0);
-        equations.set_time(1.5);
+        let mut equations = Equations::new(&[LinearEquation { terms, value: Curve::Proportional(0.2) }], 7.0, 1.0);
+        equations.set_parameter(LoadParameter(1.5));
         let mut u: Vec<[f64; 3]> =
             (0..5).map(|n| std::array::from_fn(|k| 0.1 * f64::from(n) - 0.07 * k as f64)).collect();
         let evaluate = |u: &[[f64; 3]]| {

@@ -16,9 +16,9 @@
 //! `tet10` is the pair P2–P0: continuous quadratic displacements and a pressure constant in each element. The constant pressure
 //! bounds the order of the strains to O(h). In the plane the pair is inf-sup stable, because mid-edge nodes control the
 //! flux through every side; in space P2 lacks the nodes at the centres of faces that would do this (Boffi, Brezzi & Fortin
-//! 2013, *Mixed Finite Element Methods and Applications*, ch. 8). Measured on Kuhn's tetrahedra (`tests/eigenvalues.rs`), the
-//! inf-sup constant falls like h, as that of `hex8-q1p0` does: there is no locking, as pressures are few (6 per 24
-//! displacements), but pressures of single elements may oscillate, so read them averaged at the nodes.
+//! 2013, *Mixed Finite Element Methods and Applications*, ch. 8). Measured on Kuhn's tetrahedra
+//! (`tests/integration/eigenvalues.rs`), the inf-sup constant falls like h, as that of `hex8-q1p0` does: there is no locking, as
+//! pressures are few (6 per 24 displacements), but pressures of single elements may oscillate, so read them averaged at the nodes.
 //!
 //! On straight-sided tetrahedra the gradients are linear, and four points integrate the stiffness at rest exactly. But the
 //! isochoric energy is blind to conformal maps, of which three are quadratic (2 (a·X) X − a |X|²), and their change of

@@ -1,5 +1,7 @@
 //! Scatter of block results into the residual vector and the node-blocked matrix.
 
+use std::sync::Arc;
+
 use pneuflex_factor::BlockPattern;
 use rayon::prelude::*;
 
@@ -29,7 +31,7 @@ struct ScatterMap {
 /// The pattern of the matrix and the way into it for a fixed list of contributions.
 #[derive(Clone, Debug)]
 pub struct Assembler {
-    pattern: BlockPattern,
+    pattern: Arc<BlockPattern>,
     maps: Vec<ScatterMap>,
     buffers: [Vec<LocalBlock>; 2],
 }
@@ -46,11 +48,11 @@ impl Assembler {
             .iter()
             .map(|c| ScatterMap::new(*c, &pattern).expect("the pattern was made from these blocks"))
             .collect();
-        Self { pattern, maps, buffers: Default::default() }
+        Self { pattern: Arc::new(pattern), maps, buffers: Default::default() }
     }
 
     /// Pattern of the matrix.
-    pub fn pattern(&self) -> &BlockPattern {
+    pub fn pattern(&self) -> &Arc<BlockPattern> {
         &self.pattern
     }
 

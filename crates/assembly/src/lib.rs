@@ -3,8 +3,8 @@
 //! Two levels that know nothing of each other:
 //!
 //! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
-//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`Pressure`], [`Contact`] and [`Equations`] are
-//!   contributions; forces that never change are in [`dead`], what a pressure's tangent has beside its symmetric part in [`rim`].
+//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`FollowerPressure`], [`Contact`] and [`Equations`] are
+//!   contributions; forces that never change are in [`conservative_load`], what a pressure's tangent has beside its symmetric part in [`boundary_term`].
 //! * global: [`Assembler`] knows blocks and node numbers only, and scatters what the blocks compute into a residual
 //!   vector and a node-blocked symmetric matrix.
 //!
@@ -18,23 +18,27 @@
 //! batch is added in block order while the next one is being computed. The last is used: sums do not depend on the
 //! number of threads, and scattering costs a small part of computing.
 
+pub mod boundary_term;
+pub mod cavity;
+pub mod conservative_load;
 pub mod contact;
-pub mod dead;
+pub mod contribution;
 pub mod equations;
+pub mod follower_pressure;
 pub mod formulation;
 pub mod global;
 mod kernel;
 pub mod law;
 pub mod local;
-pub mod pressure;
-pub mod rim;
 pub mod solid;
 
-pub use contact::Contact;
+pub use boundary_term::{BoundaryTerm, Couplings};
+pub use conservative_load::ConservativeLoads;
+pub use contact::ContactForces;
+pub use contribution::{BorderedEquation, Contribution, Mixed, Position, Prediction, Unilateral};
 pub use equations::Equations;
+pub use follower_pressure::FollowerPressure;
 pub use formulation::ReferenceElement;
 pub use global::{Assembler, Totals};
 pub use local::{LocalBlock, LocalContribution, LocalError, Request};
-pub use pressure::Pressure;
-pub use rim::{Couplings, Rim};
 pub use solid::Solid;

@@ -34,6 +34,7 @@ use pneuflex_model::{Formulation, Material, Volumetric};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use crate::contribution::{Contribution, Mixed, Position, Prediction};
 use crate::formulation::{IntegrationPoint, ReferenceElement};
 use crate::kernel::{
     LANES, NodeVectors, PairBlocks, PointTangent, add_moduli, add_outer, add_point, add_scaled, add_skew, geometry,
@@ -54,6 +55,8 @@ pub struct Solid {
     inverse_mass: Vec<[[f64; 4]; 4]>,
     /// Pressure carried by the linearisation, `num_modes` per element; empty: that of the residual.
     carried: Vec<f64>,
+    /// What the next tangent's carried pressures follow from, if they are not those of the tangent before.
+    prediction: Option<Arc<Prediction>>,
     processor: Arch,
 }
 
@@ -103,6 +106,7 @@ impl Solid {
             mesh: mesh.into(),
             inverse_mass: Vec::new(),
             carried: Vec::new(),
+            prediction: None,
             processor: Arch::new(),
         };
         for element in 0..solid.mesh.num_elements() {
@@ -133,17 +137,6 @@ impl Solid {
     /// Number of pressure modes per element.
     pub fn num_modes(&self) -> usize {
         self.reference.num_modes
-    }
-
-    /// Lets the tangent's geometric term carry its own pressures, starting from those of the given displacements.
-    pub fn carry_pressures(&mut self, displacement: &[[f64; 3]]) {
-        self.carried = self.element_pressures(displacement, None);
-    }
-
-    /// Updates the carried pressures for a Newton correction δu computed at `displacement`: p ← p(θ) + ∂p/∂θ B δu, with the
-    /// quadratic volumetric energy κ M⁻¹ (θ + B δu).
-    pub fn update_pressures(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) {
-        self.carried = self.element_pressures(displacement, Some(correction));
     }
 
     /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: p(θ), or with a correction
@@ -472,6 +465,35 @@ impl<const N: usize, const C: usize> WithSimd for PressuresOfElement<'_, N, C> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         self.solid.pressures_of_element::<N, C, true>(self.element, self.displacement, self.correction, self.out);
+    }
+}
+
+impl Contribution for Solid {
+    fn name(&self) -> &'static str {
+        "solid"
+    }
+
+    fn set_position(&mut self, _position: Position<'_>) {}
+
+    fn blocks(&self) -> Option<&dyn LocalContribution> {
+        Some(self)
+    }
+
+    fn mixed(&mut self) -> Option<&mut dyn Mixed> {
+        Some(self)
+    }
+}
+
+/// The pressures are only computed when a tangent follows.
+impl Mixed for Solid {
+    fn predict(&mut self, prediction: &Arc<Prediction>) {
+        self.prediction = Some(Arc::clone(prediction));
+    }
+
+    fn linearise(&mut self) {
+        if let Some(prediction) = self.prediction.take() {
+            self.carried = self.element_pressures(&prediction.displacement, prediction.correction.as_deref());
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pneuflex::{Change, Error, InputError, MemoryLimit};
 
 use crate::completions::CompletionsArguments;
 use crate::examples;
@@ -70,6 +71,21 @@ pub struct CaseArguments {
     pub set: Vec<String>,
 }
 
+impl CaseArguments {
+    /// The changes.
+    ///
+    /// # Errors
+    /// One that is none.
+    pub fn changes(&self) -> Result<Vec<Change>, InputError> {
+        let change = |text: &String| {
+            let parts = text.split_once('=').filter(|(key, value)| !key.trim().is_empty() && !value.trim().is_empty());
+            let expected = || InputError::new(format!("--set {text}: expected KEY=VALUE, e.g. --set actuator.gap=1.5"));
+            parts.map(|(key, value)| Change::new(key, value)).ok_or_else(expected)
+        };
+        self.set.iter().map(change).collect()
+    }
+}
+
 /// How cases are solved.
 #[derive(Debug, Args)]
 pub struct SolveArguments {
@@ -82,6 +98,21 @@ pub struct SolveArguments {
     /// Solve even if the estimated memory exceeds what is available
     #[arg(long)]
     pub force: bool,
+}
+
+impl SolveArguments {
+    /// How much memory may be needed.
+    pub fn memory_limit(&self) -> MemoryLimit {
+        if self.force { MemoryLimit::None } else { MemoryLimit::Available }
+    }
+
+    /// Sets the number of threads, if one is given, for the whole program.
+    ///
+    /// # Errors
+    /// The threads cannot be started.
+    pub fn use_threads(&self) -> Result<(), Error> {
+        self.threads.map_or(Ok(()), |threads| pneuflex::use_threads(threads.into()))
+    }
 }
 
 /// Arguments of `pneuflex run`.
@@ -166,4 +197,44 @@ pub enum CaseKind {
     TwoChamber,
     /// The full actuator of the paper: eight chambers and two flanges.
     Actuator,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::Arguments;
+
+    /// The command of an example: what stands before a remark, a pipe or a redirection.
+    fn words(line: &str) -> Vec<String> {
+        let command = line.trim().split("  ").next().unwrap_or("");
+        let command = command.split(['|', '>']).next().unwrap_or("");
+        let mut words = vec![String::new()];
+        let mut is_quoted = false;
+        for c in command.trim().chars() {
+            match c {
+                '\'' => is_quoted = !is_quoted,
+                ' ' if !is_quoted => words.push(String::new()),
+                other => words.last_mut().unwrap().push(other),
+            }
+        }
+        words
+    }
+
+    #[test]
+    fn every_command_has_examples_and_the_program_understands_them() {
+        Arguments::command().debug_assert();
+        for command in Arguments::command().get_subcommands_mut() {
+            let help = command.render_long_help().to_string();
+            let examples: Vec<&str> = help.lines().filter(|line| line.starts_with("  pneuflex ")).collect();
+            assert!(help.contains("Examples:") && !examples.is_empty(), "{help}");
+            for example in examples {
+                let words = words(example);
+                assert_eq!(words[1], command.get_name(), "{example}");
+                if let Err(error) = Arguments::try_parse_from(&words) {
+                    panic!("{example}: {error}");
+                }
+            }
+        }
+    }
 }

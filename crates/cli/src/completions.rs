@@ -2,10 +2,8 @@
 
 use std::io::{self, Write};
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
-
-use crate::args::Arguments;
 
 /// Arguments of `pneuflex completions`.
 #[derive(Debug, Args)]
@@ -14,10 +12,10 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
-/// Prints the completions of a shell.
-pub fn completions(arguments: &CompletionsArguments) {
+/// Prints the completions of a shell for a program.
+pub fn completions(arguments: &CompletionsArguments, mut program: Command) {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Arguments::command(), "pneuflex", &mut script);
+    clap_complete::generate(arguments.shell, &mut program, "pneuflex", &mut script);
     // Nobody reading on is no error.
     let _ = io::stdout().write_all(&script);
 }

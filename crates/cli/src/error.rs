@@ -2,16 +2,10 @@
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
-use std::ops::Range;
-use std::path::Path;
 
 use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
-
-/// Bytes of a message, which may repeat what a file says.
-const LONGEST_MESSAGE: usize = 1000;
-
-/// Characters of a line that is shown, before and after the beginning of what is wrong in it.
-const LINE_SHOWN: usize = 100;
+use pneuflex::input_error::{InputErrorKind, Origin};
+use pneuflex::{Error, InputError, ResultsError};
 
 /// An error of the program.
 #[derive(Debug)]
@@ -20,97 +14,8 @@ pub enum CliError {
     Input(Vec<InputError>),
     /// A result could not be written.
     Output(String),
-}
-
-/// Bad input: what, where, and what to do about it.
-#[derive(Debug)]
-pub struct InputError {
-    message: String,
-    help: Option<String>,
-    place: Option<Box<Place>>,
-}
-
-/// A place in a case file or in a `--set` argument.
-#[derive(Debug)]
-pub struct Place {
-    name: String,
-    source: NamedSource<String>,
-    span: Range<usize>,
-    line: usize,
-    column: usize,
-}
-
-impl Place {
-    /// The bytes `span` of `text`, which is called `name` in messages.
-    pub fn new(name: &str, text: &str, span: Range<usize>) -> Self {
-        let start = floor_char(text, span.start);
-        let before = &text[..start];
-        let line = before.matches('\n').count() + 1;
-        let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
-        let span = start..floor_char(text, span.end).max(start);
-        Self { name: name.into(), source: NamedSource::new(name, text.to_owned()), span, line, column }
-    }
-}
-
-impl Place {
-    fn is_command_line(&self) -> bool {
-        self.name.starts_with("--set")
-    }
-
-    /// The line with the place underlined; of a very long line, what is around the place.
-    fn excerpt(&self) -> String {
-        let text = self.source.inner();
-        let start = text[..self.span.start].rfind('\n').map_or(0, |end| end + 1);
-        let end = text[self.span.start..].find('\n').map_or(text.len(), |length| self.span.start + length);
-        let number = self.line.to_string();
-        let blank = " ".repeat(number.len());
-        let mut before: Vec<char> = text[start..self.span.start].chars().rev().take(LINE_SHOWN).collect();
-        before.reverse();
-        let after: String = text[self.span.start..end].chars().take(LINE_SHOWN).collect();
-        let marked = text[self.span.start..self.span.end.clamp(self.span.start, end)].chars().take(LINE_SHOWN).count();
-        // Tabs keep their width in the line below.
-        let below: String = before.iter().map(|c| if *c == '\t' { '\t' } else { ' ' }).collect();
-        let line: String = before.into_iter().collect::<String>() + after.trim_end();
-        format!("  {number} | {line}\n  {blank} | {below}{}", "^".repeat(marked.max(1)))
-    }
-}
-
-/// A text of no more than about so many bytes: what is too much is left out in the middle.
-fn shortened(text: String, most: usize) -> String {
-    if text.len() <= most {
-        return text;
-    }
-    let (head, tail) = (floor_char(&text, most / 2), floor_char(&text, text.len() - most / 2));
-    format!("{} […] {}", &text[..head], &text[tail..])
-}
-
-/// The largest character boundary of `text` that is not beyond `index`.
-fn floor_char(text: &str, index: usize) -> usize {
-    (0..=index.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
-}
-
-impl InputError {
-    /// An error that belongs to no place in a file.
-    pub fn new(message: impl Into<String>) -> Self {
-        Self { message: shortened(message.into(), LONGEST_MESSAGE), help: None, place: None }
-    }
-
-    /// An error about a file as a whole.
-    pub fn file(path: &Path, message: impl fmt::Display) -> Self {
-        Self::new(format!("{}: {message}", path.display()))
-    }
-
-    /// Adds the place.
-    pub fn at(mut self, place: Option<Place>) -> Self {
-        self.place = place.map(Box::new);
-        self
-    }
-
-    /// Adds advice.
-    pub fn help(mut self, help: Option<String>) -> Self {
-        self.help = help;
-        self
-    }
+    /// The computation did not come to its end.
+    NotConverged(String),
 }
 
 impl From<InputError> for CliError {
@@ -125,32 +30,22 @@ impl From<Vec<InputError>> for CliError {
     }
 }
 
-impl From<InputError> for Vec<InputError> {
-    fn from(error: InputError) -> Self {
-        vec![error]
+impl From<ResultsError> for CliError {
+    fn from(error: ResultsError) -> Self {
+        Self::Output(error.to_string())
     }
 }
 
-impl fmt::Display for InputError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for InputError {}
-
-impl Diagnostic for InputError {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|h| Box::new(h) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.place.as_ref().map(|p| &p.source as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.place.as_ref()?;
-        Some(Box::new(std::iter::once(LabeledSpan::underline(place.span.clone()))))
+impl From<Error> for CliError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Input(errors) => Self::Input(errors),
+            Error::Results(error) => error.into(),
+            Error::Threads { threads, source } => InputError::new(format!("--threads {threads}: {source}")).into(),
+            Error::Setup(ended) | Error::NotConverged(ended) | Error::Interrupted(ended) => {
+                Self::NotConverged(ended.to_string())
+            }
+        }
     }
 }
 
@@ -159,42 +54,92 @@ impl CliError {
     pub fn message(&self) -> String {
         match self {
             Self::Input(errors) => errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-            Self::Output(message) => message.clone(),
+            Self::Output(message) | Self::NotConverged(message) => message.clone(),
         }
     }
 
     /// Prints the error on standard error.
     pub fn print(&self) {
         match self {
-            Self::Input(errors) => errors.iter().for_each(InputError::print),
-            Self::Output(message) => say(&format!("error: {message}")),
+            Self::Input(errors) => errors.iter().for_each(print),
+            Self::Output(message) | Self::NotConverged(message) => say(&format!("error: {message}")),
         }
     }
 }
 
-impl InputError {
-    /// Prints the error on standard error: with colours on a terminal, as plain lines elsewhere.
-    fn print(&self) {
-        let mut text = String::new();
-        if io::stderr().is_terminal() && GraphicalReportHandler::new().render_report(&mut text, self).is_ok() {
-            return say(&text);
+/// Prints bad input on standard error: with colours on a terminal, as plain lines elsewhere.
+fn print(error: &InputError) {
+    let mut text = String::new();
+    if io::stderr().is_terminal() && GraphicalReportHandler::new().render_report(&mut text, &Shown::of(error)).is_ok() {
+        return say(&text);
+    }
+    match error.place() {
+        Some(place) if place.origin() == Origin::Change => say(&format!("error: --set {}: {error}", place.name())),
+        Some(place) => {
+            say(&format!("error: {}:{}:{}: {error}", place.name(), place.line(), place.column()));
+            say(&place.excerpt());
         }
-        match &self.place {
-            Some(p) if p.is_command_line() => say(&format!("error: {}: {self}", p.name)),
-            Some(p) => {
-                say(&format!("error: {}:{}:{}: {self}", p.name, p.line, p.column));
-                say(&p.excerpt());
-            }
-            None => say(&format!("error: {self}")),
+        None => say(&format!("error: {error}")),
+    }
+    if let Some(help) = help(error) {
+        say(&format!("  help: {help}"));
+    }
+}
+
+/// What to do about bad input, in terms of the command line.
+fn help(error: &InputError) -> Option<&str> {
+    match error.kind() {
+        InputErrorKind::Other => error.help(),
+        InputErrorKind::TooLarge => {
+            Some("choose a coarser mesh.resolution or a larger mesh.size, or --force to try all the same")
         }
-        if let Some(help) = &self.help {
-            say(&format!("  help: {help}"));
-        }
+        InputErrorKind::UnusableFolder => Some("choose another folder with --out"),
+        InputErrorKind::ForeignFolder => Some("choose another folder with --out; nothing was touched"),
+        InputErrorKind::BusyFolder => Some("wait until it has ended, or choose another folder with --out"),
+        InputErrorKind::OtherResults => Some("run without --resume to start over; that replaces what is there"),
+    }
+}
+
+/// Bad input as it is shown on a terminal.
+#[derive(Debug)]
+struct Shown<'a> {
+    error: &'a InputError,
+    source: Option<NamedSource<String>>,
+}
+
+impl<'a> Shown<'a> {
+    fn of(error: &'a InputError) -> Self {
+        let source = error.place().map(|place| {
+            let name = match place.origin() {
+                Origin::File => place.name().to_owned(),
+                Origin::Change => format!("--set {}", place.name()),
+            };
+            NamedSource::new(name, place.text().to_string())
+        });
+        Self { error, source }
+    }
+}
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.error.fmt(f)
+    }
+}
+
+impl std::error::Error for Shown<'_> {}
+
+impl Diagnostic for Shown<'_> {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        help(self.error).map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
-    /// Where it belongs: places on the command line come after those in the file.
-    pub fn position(&self) -> (bool, usize) {
-        self.place.as_ref().map_or((false, 0), |place| (place.is_command_line(), place.span.start))
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|source| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.error.place()?;
+        Some(Box::new(std::iter::once(LabeledSpan::underline(place.span()))))
     }
 }
 

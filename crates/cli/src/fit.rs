@@ -10,21 +10,22 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use pneuflex_calibration::clean::{Cleaned, clean};
-use pneuflex_calibration::curve::{self, Curve, CurveError, MAX_BYTES};
-use pneuflex_calibration::fit::{FitError, FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
-use pneuflex_calibration::law::Law;
+use pneuflex::calibration::clean::{Cleaned, clean};
+use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES};
+use pneuflex::calibration::fit::{FitError, FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
+use pneuflex::calibration::law::Law;
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
-use pneuflex_model::Material;
+use pneuflex::model::Material;
 pub use report::significant;
 use report::{FileNote, FitFile, TestNote};
 
-use crate::error::{CliError, InputError, Place, say};
-use crate::folder::OutputFolder;
-use crate::json;
-use crate::run::Outcome;
+use pneuflex::input_error::{Origin, Place};
+use pneuflex::{InputError, OutputFolder, json};
+
+use crate::error::{CliError, say};
+use crate::outcome::Outcome;
 
 /// A test that is ready to be fitted.
 pub struct Prepared {
@@ -41,7 +42,7 @@ impl Prepared {
         let cleaned = clean(curve, &arguments.cleaning(curve.mode)?);
         if cleaned.used.is_empty() {
             let what = format!("{}: no point of the {} test is left to fit", curve.file, curve.mode.name());
-            return Err(InputError::new(what).help(Some("give a wider range with --from and --to".into())));
+            return Err(InputError::new(what).with_help(Some("give a wider range with --from and --to".into())));
         }
         let stem = Path::new(&curve.file).file_stem().map_or(curve.file.clone(), |s| s.to_string_lossy().into_owned());
         let test = Test {
@@ -103,14 +104,14 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         material,
     };
     let text = json::pretty(&content).map_err(|e| CliError::Output(format!("fit.json: {e}")))?;
-    folder.write("fit.json", &text).map_err(CliError::Output)?;
+    folder.write("fit.json", &text)?;
     let drawing = plot::draw(&tests, &fits, largest).map_err(|e| CliError::Output(format!("fit.svg: {e}")))?;
     let svg = drawing.to_svg().map_err(|e| CliError::Output(format!("fit.svg: {e}")))?;
-    folder.write("fit.svg", &svg).map_err(CliError::Output)?;
+    folder.write("fit.svg", &svg)?;
     let png = drawing.to_png(2.0).map_err(|e| CliError::Output(format!("fit.png: {e}")))?;
-    folder.write("fit.png", &png).map_err(CliError::Output)?;
+    folder.write("fit.png", &png)?;
     match &snippet {
-        Some(snippet) => folder.write("material.toml", snippet).map_err(CliError::Output)?,
+        Some(snippet) => folder.write("material.toml", snippet)?,
         // One of an earlier fit would look like this one's.
         None => folder.remove("material.toml"),
     }
@@ -135,23 +136,23 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
 
 /// The text of a file, of which no more is read than may be.
 fn read(path: &Path) -> Result<String, CliError> {
-    let cannot = |e: io::Error| InputError::file(path, format!("cannot be read: {e}"));
+    let cannot = |e: io::Error| InputError::about_file(path, format!("cannot be read: {e}"));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(cannot)?;
     file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
-    let text = curve::decode(&bytes).map_err(|e| InputError::file(path, &e).help(e.help.clone()))?;
+    let text = curve::decode(&bytes).map_err(|e| InputError::about_file(path, &e).with_help(e.help.clone()))?;
     Ok(text.into_owned())
 }
 
 /// An error with the line it is about.
 fn place(name: &str, text: &str, error: &CurveError) -> CliError {
     let Some(line) = error.line else {
-        return InputError::new(format!("{name}: {error}")).help(error.help.clone()).into();
+        return InputError::new(format!("{name}: {error}")).with_help(error.help.clone()).into();
     };
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let length = text[start..].lines().next().map_or(0, str::len);
-    let place = Place::new(name, text, start..start + length);
-    InputError::new(error.to_string()).at(Some(place)).help(error.help.clone()).into()
+    let place = Place::new(name, Origin::File, text.into(), start..start + length);
+    InputError::new(error.to_string()).at(Some(place)).with_help(error.help.clone()).into()
 }
 
 /// A law that has no constants, and why.

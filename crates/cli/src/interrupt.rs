@@ -1,29 +1,22 @@
 //! Ctrl-C: the first asks the run to stop at its next iteration, the second ends the program at once.
 
 use std::process;
-use std::sync::atomic::{AtomicBool, Ordering};
+
+use pneuflex::StopToken;
 
 use crate::error::say;
+use crate::outcome::INTERRUPTED;
 
-/// Whether the run under way is to stop.
-static STOP: AtomicBool = AtomicBool::new(false);
-
-/// Exit code of a run that was interrupted, by the shells' custom.
-pub const EXIT_CODE: u8 = 130;
-
-/// Listens to Ctrl-C and to requests to terminate; returns what becomes true then.
-pub fn listen() -> &'static AtomicBool {
+/// Listens to Ctrl-C and to requests to terminate; returns what is stopped then.
+pub fn listen() -> StopToken {
+    let token = StopToken::new();
+    let heard = token.clone();
     // Somebody else listening already is no reason not to run.
-    let _ = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            process::exit(EXIT_CODE.into());
+    let _ = ctrlc::set_handler(move || {
+        if heard.stop() {
+            process::exit(INTERRUPTED.into());
         }
         say("stopping at the next iteration; once more to end at once");
     });
-    &STOP
-}
-
-/// Stops the run under way.
-pub fn stop() {
-    STOP.store(true, Ordering::Relaxed);
+    token
 }

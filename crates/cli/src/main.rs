@@ -1,49 +1,38 @@
-//! The `pneuflex` command line program: the only crate that touches files, clock and terminal.
+//! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`study`]: what is to be solved, from whichever kind of file.
-//! * [`case_file`], [`repair`], [`error`], [`suggest`]: reading case files, and messages about them.
 //! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
-//! * [`folder`], [`recorder`], [`checkpoint`], [`diagnosis`], [`json`]: the output folder.
+//! * [`error`], [`outcome`], [`progress`]: messages, exit codes, progress.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
-//! * [`memory`], [`progress`]: estimates and progress.
+//!
+//! Everything else is the library's, the crate `pneuflex`.
 //!
 //! Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 not converged, 130 interrupted.
 
 mod args;
-mod case_file;
 mod check;
-mod checkpoint;
 mod completions;
 mod converge;
-mod diagnosis;
 mod error;
 mod examples;
 mod fit;
-mod folder;
 mod interrupt;
-mod json;
 mod man;
 mod materials;
-mod memory;
 mod new;
+mod outcome;
 mod progress;
-mod recorder;
-mod repair;
 mod rod;
 mod run;
-mod study;
-mod suggest;
 mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use args::{Arguments, Command};
-use error::CliError;
-use run::Outcome;
+use outcome::{Outcome, exit_code};
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
@@ -56,21 +45,10 @@ fn main() -> ExitCode {
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Materials(arguments) => materials::materials(&arguments).map(|()| Outcome::Converged),
         Command::Completions(arguments) => {
-            completions::completions(&arguments);
+            completions::completions(&arguments, Arguments::command());
             Ok(Outcome::Converged)
         }
-        Command::Man(arguments) => man::man(&arguments).map(|()| Outcome::Converged),
+        Command::Man(arguments) => man::man(&arguments, Arguments::command()).map(|()| Outcome::Converged),
     };
-    match done {
-        Ok(Outcome::Converged) => ExitCode::SUCCESS,
-        Ok(Outcome::NotConverged) => ExitCode::from(3),
-        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
-        Err(error) => {
-            error.print();
-            ExitCode::from(match error {
-                CliError::Output(_) => 1,
-                CliError::Input(_) => 2,
-            })
-        }
-    }
+    exit_code(done)
 }

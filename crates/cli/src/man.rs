@@ -3,12 +3,11 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_mangen::Man;
+use pneuflex::OutputFolder;
 
-use crate::args::Arguments;
 use crate::error::{CliError, say};
-use crate::folder::OutputFolder;
 
 /// Arguments of `pneuflex man`.
 #[derive(Debug, Args)]
@@ -17,12 +16,12 @@ pub struct ManArguments {
     pub dir: Option<PathBuf>,
 }
 
-/// Prints the manual page, or writes one page per command.
+/// Prints the manual page of a program, or writes one page per command.
 ///
 /// # Errors
 /// A folder or page that cannot be written.
-pub fn man(arguments: &ManArguments) -> Result<(), CliError> {
-    let program = program();
+pub fn man(arguments: &ManArguments, program: Command) -> Result<(), CliError> {
+    let program = with_full_names(program);
     let failed = |error: io::Error| CliError::Output(format!("manual page: {error}"));
     let Some(dir) = &arguments.dir else {
         let page = whole(&program).map_err(failed)?;
@@ -36,15 +35,15 @@ pub fn man(arguments: &ManArguments) -> Result<(), CliError> {
     for command in &pages {
         let name = command.get_display_name().unwrap_or(command.get_name());
         let page = sections(command, true).map_err(failed)?;
-        folder.write(&format!("{name}.1"), page).map_err(CliError::Output)?;
+        folder.write(&format!("{name}.1"), page)?;
     }
     say(&format!("wrote {} pages to {}", pages.len(), folder.path().display()));
     Ok(())
 }
 
 /// The command line with its commands' full names (`pneuflex-run`).
-fn program() -> Command {
-    let mut program = Arguments::command().disable_help_subcommand(true);
+fn with_full_names(program: Command) -> Command {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     program
 }

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use clap::Args;
-use pneuflex_calibration::library::{ENTRIES, Entry, find, identifier};
-use pneuflex_model::Law;
+use pneuflex::InputError;
+use pneuflex::calibration::library::{ENTRIES, Entry, find, identifier};
+use pneuflex::model::Law;
 
-use crate::error::{CliError, InputError};
+use crate::error::CliError;
 use crate::fit::{significant, snippet};
 
 const WARNING: &str = "Published sets for one product differ by a factor of two (batch, curing, strain rate, first or later \
@@ -54,7 +55,7 @@ fn unknown(name: &str) -> InputError {
         true => "`pneuflex materials` lists all".into(),
         false => format!("did you mean {}?", like.join(", ")),
     };
-    InputError::new(format!("no material `{name}` is known")).help(Some(help))
+    InputError::new(format!("no material `{name}` is known")).with_help(Some(help))
 }
 
 fn list() -> String {

@@ -4,32 +4,17 @@ use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
-use crate::args::{CaseKind, NewArguments};
-use crate::error::{CliError, InputError};
+use pneuflex::{InputError, template};
 
-const TEMPLATE: &str = include_str!("../templates/case.toml");
+use crate::args::{CaseKind, NewArguments};
+use crate::error::CliError;
 
 /// The text of the case file.
-pub fn text(kind: CaseKind) -> String {
-    let values: [(&str, &str); 6] = match kind {
-        CaseKind::TwoChamber => [
-            ("{name}", "two_chamber"),
-            ("{what}", "Two chambers of a soft pneumatic actuator"),
-            ("{title}", "Two chambers, multiple-point contact"),
-            ("{chambers}", "2"),
-            ("{flange}", "0.0"),
-            ("{length}", "18.0"),
-        ],
-        CaseKind::Actuator => [
-            ("{name}", "actuator"),
-            ("{what}", "A soft pneumatic actuator with eight chambers"),
-            ("{title}", "Full actuator, multiple-point contact"),
-            ("{chambers}", "8"),
-            ("{flange}", "2.0"),
-            ("{length}", "82.0"),
-        ],
-    };
-    values.iter().fold(TEMPLATE.to_owned(), |text, (mark, value)| text.replace(mark, value))
+fn text(kind: CaseKind) -> String {
+    match kind {
+        CaseKind::TwoChamber => template::two_chambers(),
+        CaseKind::Actuator => template::full_actuator(),
+    }
 }
 
 /// Writes the case file and says what to do with it.
@@ -47,7 +32,7 @@ pub fn new(arguments: &NewArguments) -> Result<(), CliError> {
             ErrorKind::AlreadyExists => "exists already and is not replaced".into(),
             _ => format!("cannot be written: {error}"),
         };
-        InputError::file(&path, reason).help(Some("give another file name as the last argument".into()))
+        InputError::about_file(&path, reason).with_help(Some("give another file name as the last argument".into()))
     })?;
     file.write_all(text(arguments.kind).as_bytes())
         .map_err(|error| CliError::Output(format!("{}: cannot be written: {error}", path.display())))?;

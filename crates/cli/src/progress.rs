@@ -4,9 +4,10 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pneuflex_model::Clock;
-use pneuflex_newton::{Cause, IterationRecord};
-use pneuflex_post::summary::{ObstacleSummary, StepSummary};
+use pneuflex::Event;
+use pneuflex::model::{Clock, LoadParameter};
+use pneuflex::newton::{Cause, IterationRecord};
+use pneuflex::post::summary::{ObstacleSummary, StepSummary};
 
 use crate::error::say;
 
@@ -15,12 +16,12 @@ pub struct Progress {
     output: Output,
     began: Instant,
     clock: Clock,
-    /// Time that this run began at, reached last, and goes on to.
-    start: f64,
-    last: f64,
-    end: f64,
-    /// Time aimed at by the step under way.
-    aim: f64,
+    /// Position on the load path that this run began at, reached last, and goes on to.
+    start: LoadParameter,
+    last: LoadParameter,
+    end: LoadParameter,
+    /// Position aimed at by the step under way.
+    aim: LoadParameter,
     is_rejected: bool,
 }
 
@@ -34,8 +35,8 @@ enum Output {
 const LENGTH: u64 = 1000;
 
 impl Progress {
-    /// Progress from `start` to `end`, in the path's time.
-    pub fn new(quiet: bool, clock: Clock, [start, end]: [f64; 2]) -> Self {
+    /// Progress from `start` to `end`, on the load path.
+    pub fn new(quiet: bool, clock: Clock, [start, end]: [LoadParameter; 2]) -> Self {
         let output = if quiet {
             Output::Quiet
         } else if io::stderr().is_terminal() {
@@ -60,17 +61,28 @@ impl Progress {
         }
     }
 
+    /// Tells what a run tells.
+    pub fn event(&mut self, event: &Event<'_>) {
+        match event {
+            Event::StepStarted { step, parameter } => self.step_started(*step, *parameter),
+            Event::Iteration(record) => self.iteration(record),
+            Event::StepRejected { cause, .. } => self.rejected(cause),
+            Event::StepAccepted(_) => {}
+            Event::State(state) => self.state(state.summary),
+        }
+    }
+
     /// A load step begins.
-    pub fn step_started(&mut self, step: usize, time: f64) {
+    fn step_started(&mut self, step: usize, parameter: LoadParameter) {
         // A new step after one that was not rejected: that one was accepted.
         if !self.is_rejected {
             self.last = self.aim;
         }
-        (self.aim, self.is_rejected) = (time, false);
-        let aim = self.clock.words(time);
+        (self.aim, self.is_rejected) = (parameter, false);
+        let aim = self.clock.words(parameter);
         match &self.output {
             Output::Bar(bar) => {
-                bar.set_position((LENGTH as f64 * self.last / self.end) as u64);
+                bar.set_position((LENGTH as f64 * self.last.0 / self.end.0) as u64);
                 bar.set_message(format!("step {step} to {aim}"));
             }
             _ => self.line(&format!("step {step} to {aim}")),
@@ -78,7 +90,7 @@ impl Progress {
     }
 
     /// An iteration is done; "again" is one more correction with the factor of the same iteration.
-    pub fn iteration(&self, record: &IterationRecord) {
+    fn iteration(&self, record: &IterationRecord) {
         let again = if record.new_tangent { "" } else { " again" };
         let text = format!(
             "iteration {}{again}: correction {:.2e}, residual {:.2e} N, {} contact points",
@@ -87,22 +99,26 @@ impl Progress {
         match &self.output {
             Output::Bar(bar) => {
                 let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
-                bar.set_message(format!("step {} to {}, {text}{left}", record.step, self.clock.words(record.time)));
+                bar.set_message(format!(
+                    "step {} to {}, {text}{left}",
+                    record.step,
+                    self.clock.words(record.parameter)
+                ));
             }
             _ => self.line(&format!("  {text}")),
         }
     }
 
     /// A load step failed and is repeated with a smaller one.
-    pub fn rejected(&mut self, cause: &Cause) {
+    fn rejected(&mut self, cause: &Cause) {
         self.is_rejected = true;
         self.line(&format!("  step rejected: {cause}"));
     }
 
     /// A requested pressure is reached.
-    pub fn landed(&mut self, summary: &StepSummary) {
-        let StepSummary { time, pressure_kpa, iterations, contact, .. } = summary;
-        self.last = time.unwrap_or(*pressure_kpa);
+    fn state(&mut self, summary: &StepSummary) {
+        let StepSummary { iterations, contact, .. } = summary;
+        self.last = summary.when();
         let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
         let at = self.clock.words(self.last);
         let angle =

@@ -1,24 +1,20 @@
 //! `pneuflex rod`: the elastica baseline of a case's actuator, identified from its two-chamber cell.
 
-mod cell;
-
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
-use pneuflex_model::Case;
-use pneuflex_rod::elastica::Load;
-use pneuflex_rod::identify::FitError;
-use pneuflex_rod::{Identified, Law, Rod, Samples, identify};
+use pneuflex::model::Case;
+use pneuflex::rod::cell;
+use pneuflex::rod::elastica::Load;
+use pneuflex::rod::identify::FitError;
+use pneuflex::rod::{Identified, Law, Rod, Samples, identify};
+use pneuflex::{CaseFile, Estimate, InputError, MemoryLimit, OutputFolder, json};
 use serde::Serialize;
 
 use crate::args::RodArguments;
-use crate::case_file::CaseFile;
-use crate::error::{CliError, InputError, say};
-use crate::folder::OutputFolder;
-use crate::json;
-use crate::memory::Estimate;
-use crate::run::Outcome;
+use crate::error::{CliError, say};
+use crate::outcome::Outcome;
 
 /// Intervals of the rod: far more than its shape needs.
 const INTERVALS: usize = 164;
@@ -94,13 +90,13 @@ struct Line {
 /// # Errors
 /// Bad input, found before anything is solved or written; a result that cannot be written.
 pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
-    let file = CaseFile::load(&arguments.case.case, &arguments.case.set)?;
+    let file = CaseFile::load(&arguments.case.case, &arguments.case.changes()?)?;
     if !arguments.tip_load.is_finite() {
         return Err(InputError::new("--tip-load must be a finite number of newtons").into());
     }
     let case = &file.case;
     let cell_case = Case { actuator: cell::cell_of(&case.actuator), ..case.clone() };
-    Estimate::of(&cell_case).guard(false)?;
+    Estimate::of(&cell_case).within(MemoryLimit::Available)?;
     let default = || PathBuf::from("out").join(format!("{}-rod", file.stem()));
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
 
@@ -170,7 +166,7 @@ pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
         shapes,
     };
     let json = json::pretty(&content).map_err(|e| CliError::Output(format!("rod.json: {e}")))?;
-    folder.write("rod.json", json).map_err(CliError::Output)?;
+    folder.write("rod.json", json)?;
     progress(&format!("results are in {}", folder.path().display()));
     let mut out = io::stdout().lock();
     // Nobody listening is no reason to fail: the file is written.

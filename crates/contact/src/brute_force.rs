@@ -2,9 +2,9 @@
 
 use pneuflex_mesh::shape;
 
-use crate::own_body::{SlavePoint, are_neighbours, blocks, counts};
+use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
-use crate::search::ContactModel;
+use crate::self_contact::{SlavePoint, are_neighbours, blocks, counts};
 use crate::surface::Surface;
 
 /// A point that touches, as [`feet`] finds it.
@@ -20,24 +20,25 @@ pub struct Foot {
     pub projection: Projection,
 }
 
-/// The touching points of a pass of multiple-point contact without multipliers, by looking at every face for every point.
-pub fn feet(model: &ContactModel, pass: usize, positions: &[[f64; 3]]) -> Vec<Foot> {
-    let pass = model.pass(pass);
-    let (slave, master) = (&pass.slave, &pass.master);
+/// The touching points of a surface pair of multiple-point contact without multipliers, by looking at every face for every point.
+pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -> Vec<Foot> {
+    let surface_pair = model.surface_pair(surface_pair);
+    let (slave, master) = (&surface_pair.slave, &surface_pair.master);
     let n = slave.kind.num_nodes();
     let on = |surface: &Surface, face: usize, xi, at: &[[f64; 3]]| {
         face_geometry(&surface.face_positions(face, at)[..n], &shape::evaluate_face(surface.kind, xi))
     };
     let mut found = Vec::new();
     for slave_face in 0..slave.num_faces() {
-        for (index, &(xi, _)) in pass.rule.iter().enumerate() {
+        for (index, &(xi, _)) in surface_pair.rule.iter().enumerate() {
             let [now, at_rest] = [positions, model.rest()].map(|at| on(slave, slave_face, xi, at));
             let point = SlavePoint {
                 at_rest: at_rest.position,
                 normal_at_rest: unit_normal(&at_rest.tangents).0,
                 normal: unit_normal(&now.tangents).0,
             };
-            let is_stranger = |m: usize| !pass.is_own_body || !are_neighbours(slave.face(slave_face), master.face(m));
+            let is_stranger =
+                |m: usize| !surface_pair.is_self_contact || !are_neighbours(slave.face(slave_face), master.face(m));
             let foot_on = |m: usize| {
                 project(master.kind, &master.face_positions(m, positions)[..n], now.position).map(|foot| (m, foot))
             };
@@ -47,16 +48,18 @@ pub fn feet(model: &ContactModel, pass: usize, positions: &[[f64; 3]]) -> Vec<Fo
             let nearest = (all.iter())
                 .filter(|(_, foot)| foot.excess <= EXTENSION)
                 .filter(|(m, foot)| {
-                    !pass.is_own_body || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position)
+                    !surface_pair.is_self_contact
+                        || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position)
                 })
                 .min_by(|(_, a), (_, b)| {
                     (is_outside(a).cmp(&is_outside(b))).then(a.distance.abs().total_cmp(&b.distance.abs()))
                 });
             let Some(&(master_face, projection)) = nearest else { continue };
             let depth = -projection.distance;
-            let is_far_side = pass.is_own_body && all.iter().any(|(_, foot)| blocks(point.normal, foot, depth));
-            if depth > 0.0 && depth <= pass.reach && !is_far_side {
-                let number = pass.first_point + slave_face * pass.rule.len() + index;
+            let is_far_side =
+                surface_pair.is_self_contact && all.iter().any(|(_, foot)| blocks(point.normal, foot, depth));
+            if depth > 0.0 && depth <= surface_pair.reach && !is_far_side {
+                let number = surface_pair.first_point + slave_face * surface_pair.rule.len() + index;
                 found.push(Foot { slave_face, number, master_face, projection });
             }
         }

@@ -1,7 +1,7 @@
 //! Frictionless penalty contact between surfaces, of a surface with itself, and with rigid obstacles (theory §5).
 //!
 //! The chain of values: facets of the mesh → [`Surface`] → candidate faces by bounding boxes ([`broad_phase`]) → closest-point
-//! [`projection`] → the foot that counts ([`narrow_phase`], within one body by the rules of [`own_body`]) → touching points →
+//! [`projection`] → the foot that counts ([`narrow_phase`], within one body by the rules of [`self_contact`]) → touching points →
 //! [`ContactBlock`]s, one per touching pair of faces or face on an [`obstacle`], each with its energy ½ k Σ w ⟨λ/k − d⟩², force and
 //! consistent tangent ([`potential`]). The multipliers λ are the solver's; they are zero for a plain penalty.
 //!
@@ -9,17 +9,20 @@
 
 pub mod broad_phase;
 pub mod brute_force;
+pub mod contact_block;
+pub mod model;
 pub mod narrow_phase;
 pub mod obstacle;
-pub mod own_body;
-pub mod pass;
 pub mod potential;
 pub mod projection;
-pub mod search;
+mod search;
+pub mod self_contact;
 pub mod surface;
+pub mod surface_pair;
 
-pub use pass::Pass;
+pub use contact_block::{ContactBlock, ContactPoint, Partner};
+pub use model::ContactModel;
 pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
-pub use search::{ContactBlock, ContactModel, ContactPoint, Partner};
 pub use surface::Surface;
+pub use surface_pair::SurfacePair;

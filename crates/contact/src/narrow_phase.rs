@@ -5,11 +5,12 @@ use std::ops::Range;
 use pneuflex_mesh::{FaceKind, shape};
 
 use crate::broad_phase::{Bounds, FaceTree, join, overlap};
-use crate::own_body::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
-use crate::pass::Pass;
+use crate::contact_block::{ContactBlock, ContactPoint, Partner};
+use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
-use crate::search::{ContactBlock, ContactModel, ContactPoint, Partner};
+use crate::self_contact::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
 use crate::surface::Surface;
+use crate::surface_pair::SurfacePair;
 
 /// Centres of slave faces against the centres of the master faces of the same number.
 pub fn single_blocks(
@@ -19,39 +20,45 @@ pub fn single_blocks(
     positions: &[[f64; 3]],
     margin: f64,
 ) -> Vec<ContactBlock> {
-    let pass = model.pass(number);
-    let (slave, master, kind) = (&pass.slave, &pass.master, pass.slave.kind);
+    let surface_pair = model.surface_pair(number);
+    let (slave, master, kind) = (&surface_pair.slave, &surface_pair.master, surface_pair.slave.kind);
     let shape = shape::evaluate_face(kind, kind.centre());
     let mut blocks = Vec::new();
     for face in faces.start..faces.end.min(master.num_faces()) {
         let s = face_geometry(&slave.face_positions(face, positions)[..kind.num_nodes()], &shape);
         let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
         let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
-        let shift = model.shift(pass.first_point + face, pass.stiffness);
+        let shift = model.shift(surface_pair.first_point + face, surface_pair.stiffness);
         if distance < margin + shift {
             let point = ContactPoint {
                 slave_xi: kind.centre(),
-                area: pass.areas[face],
+                area: surface_pair.areas[face],
                 master_xi: kind.centre(),
                 distance,
                 shift,
-                number: pass.first_point + face,
-                traction: -pass.stiffness * (distance - shift),
+                number: surface_pair.first_point + face,
+                traction: -surface_pair.stiffness * (distance - shift),
             };
-            blocks.push(block(pass, number, face, face, vec![point]));
+            blocks.push(block(surface_pair, number, face, face, vec![point]));
         }
     }
     blocks
 }
 
-fn block(pass: &Pass, number: usize, slave_face: usize, face: usize, points: Vec<ContactPoint>) -> ContactBlock {
-    let nodes = pass.slave.face(slave_face).iter().chain(pass.master.face(face)).copied().collect();
-    ContactBlock { partner: Partner::Face { pass: number, face }, slave_face, nodes, points }
+fn block(
+    surface_pair: &SurfacePair,
+    number: usize,
+    slave_face: usize,
+    face: usize,
+    points: Vec<ContactPoint>,
+) -> ContactBlock {
+    let nodes = surface_pair.slave.face(slave_face).iter().chain(surface_pair.master.face(face)).copied().collect();
+    ContactBlock { partner: Partner::Face { surface_pair: number, face }, slave_face, nodes, points }
 }
 
-/// A pass at some positions: what is computed once for all of its slave faces.
+/// A surface pair at some positions: what is computed once for all of its slave faces.
 pub struct Facing<'a> {
-    pass: &'a Pass,
+    surface_pair: &'a SurfacePair,
     rest: &'a [[f64; 3]],
     positions: &'a [[f64; 3]],
     margin: f64,
@@ -65,32 +72,37 @@ pub struct Facing<'a> {
 
 impl<'a> Facing<'a> {
     /// `None` if the surfaces are out of each other's reach.
-    pub fn new(pass: &'a Pass, rest: &'a [[f64; 3]], positions: &'a [[f64; 3]], margin: f64) -> Option<Self> {
-        let (slave, master) = (&pass.slave, &pass.master);
-        let room = if pass.is_own_body { BLOCKING_EXTENSION } else { EXTENSION };
+    pub fn new(
+        surface_pair: &'a SurfacePair,
+        rest: &'a [[f64; 3]],
+        positions: &'a [[f64; 3]],
+        margin: f64,
+    ) -> Option<Self> {
+        let (slave, master) = (&surface_pair.slave, &surface_pair.master);
+        let room = if surface_pair.is_self_contact { BLOCKING_EXTENSION } else { EXTENSION };
         let boxes: Vec<Bounds> = (0..master.num_faces()).map(|face| grown_box(master, face, positions, room)).collect();
         let slaves: Vec<Bounds> = (0..slave.num_faces()).map(|face| slave.bounding_box(face, positions)).collect();
-        if !overlap(&join(&slaves), &join(&boxes), pass.reach) {
+        if !overlap(&join(&slaves), &join(&boxes), surface_pair.reach) {
             return None;
         }
         let cones = |surface: &Surface| {
             (0..surface.num_faces()).map(|face| NormalCone::of(surface, face, positions)).collect::<Vec<_>>()
         };
         Some(Self {
-            pass,
+            surface_pair,
             rest,
             positions,
             margin,
             tree: FaceTree::new(&boxes),
             boxes,
             slabs: (0..master.num_faces()).map(|face| Slab::of(master, face, positions)).collect(),
-            cones: pass.is_own_body.then(|| [cones(slave), cones(master)]),
+            cones: surface_pair.is_self_contact.then(|| [cones(slave), cones(master)]),
         })
     }
 
     /// The points of some slave faces that are near enough to their feet, grouped by master face.
     pub fn blocks(&self, model: &ContactModel, number: usize, faces: Range<usize>) -> Vec<ContactBlock> {
-        let Pass { slave, areas, rule, reach, stiffness, first_point, .. } = self.pass;
+        let SurfacePair { slave, areas, rule, reach, stiffness, first_point, .. } = self.surface_pair;
         let kind = slave.kind;
         let shapes: Vec<_> = rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
         let mut blocks: Vec<ContactBlock> = Vec::new();
@@ -134,10 +146,10 @@ impl<'a> Facing<'a> {
                     number: first + index,
                     traction: -stiffness * (foot.distance - shift),
                 };
-                let partner = Partner::Face { pass: number, face: master_face };
+                let partner = Partner::Face { surface_pair: number, face: master_face };
                 match blocks[first_block..].iter_mut().find(|block| block.partner == partner) {
                     Some(block) => block.points.push(touching),
-                    None => blocks.push(block(self.pass, number, face, master_face, vec![touching])),
+                    None => blocks.push(block(self.surface_pair, number, face, master_face, vec![touching])),
                 }
             }
         }
@@ -147,10 +159,10 @@ impl<'a> Facing<'a> {
     fn is_candidate(&self, slave_face: usize, master_face: usize) -> bool {
         let Some([slaves, masters]) = &self.cones else { return true };
         !slaves[slave_face].never_opposes(&masters[master_face])
-            && !are_neighbours(self.pass.slave.face(slave_face), self.pass.master.face(master_face))
+            && !are_neighbours(self.surface_pair.slave.face(slave_face), self.surface_pair.master.face(master_face))
     }
 
-    /// Rule 4 of [`crate::own_body`], for a foot that the point lies behind.
+    /// Rule 4 of [`crate::self_contact`], for a foot that the point lies behind.
     fn is_far_side(
         &self,
         slave_face: usize,
@@ -159,7 +171,7 @@ impl<'a> Facing<'a> {
         slave: &SlavePoint,
         foot: &Projection,
     ) -> bool {
-        let Pass { slave: surface, master, .. } = self.pass;
+        let SurfacePair { slave: surface, master, .. } = self.surface_pair;
         foot.distance < 0.0
             && near.iter().any(|&m| {
                 !are_neighbours(surface.face(slave_face), master.face(m))
@@ -169,7 +181,7 @@ impl<'a> Facing<'a> {
     }
 
     fn project(&self, face: usize, point: [f64; 3]) -> Option<Projection> {
-        let master = &self.pass.master;
+        let master = &self.surface_pair.master;
         project(master.kind, &master.face_positions(face, self.positions)[..master.kind.num_nodes()], point)
     }
 
@@ -208,7 +220,7 @@ impl<'a> Facing<'a> {
 
     /// Position of a foot at rest.
     fn at_rest(&self, face: usize, foot: &Projection) -> [f64; 3] {
-        let master = &self.pass.master;
+        let master = &self.surface_pair.master;
         let nodes = &master.face_positions(face, self.rest)[..master.kind.num_nodes()];
         face_geometry(nodes, &shape::evaluate_face(master.kind, foot.xi)).position
     }

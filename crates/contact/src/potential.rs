@@ -14,9 +14,10 @@
 use pneuflex_mesh::shape::{self, FaceShape};
 use pneuflex_model::ContactMethod;
 
-use crate::pass::Pass;
+use crate::contact_block::{ContactBlock, ContactPoint, Partner};
+use crate::model::ContactModel;
 use crate::projection::{FaceGeometry, cross, dot, face_geometry, sub, unit_normal};
-use crate::search::{ContactBlock, ContactModel, ContactPoint, Partner};
+use crate::surface_pair::SurfacePair;
 
 /// Largest number of nodes of a contact block: two nine-node faces.
 pub const MAX_NODES: usize = 18;
@@ -125,8 +126,14 @@ struct Pairing {
 }
 
 impl Pairing {
-    fn new(pass: &Pass, face: usize, block: &ContactBlock, point: &ContactPoint, positions: &[[f64; 3]]) -> Self {
-        let Pass { slave, master, .. } = pass;
+    fn new(
+        surface_pair: &SurfacePair,
+        face: usize,
+        block: &ContactBlock,
+        point: &ContactPoint,
+        positions: &[[f64; 3]],
+    ) -> Self {
+        let SurfacePair { slave, master, .. } = surface_pair;
         let (kind, n) = (slave.kind, slave.kind.num_nodes());
         let slave_shape = shape::evaluate_face(kind, point.slave_xi);
         let shape = shape::evaluate_face(kind, point.master_xi);
@@ -150,10 +157,10 @@ fn distance_derivatives(
     out: &mut DistanceDerivatives,
 ) {
     match block.partner {
-        Partner::Face { pass, face } => {
-            let pass = model.pass(pass);
-            let pairing = Pairing::new(pass, face, block, point, positions);
-            match pass.method {
+        Partner::Face { surface_pair, face } => {
+            let surface_pair = model.surface_pair(surface_pair);
+            let pairing = Pairing::new(surface_pair, face, block, point, positions);
+            match surface_pair.method {
                 ContactMethod::SinglePoint => fixed_point(&pairing, out),
                 _ => sliding_point(&pairing, out),
             }

@@ -26,6 +26,8 @@
 //! # Ok::<(), pneuflex_factor::FactorError>(())
 //! ```
 //!
+//! [`gmres`] solves with a few unsymmetric terms that the factor of a symmetric matrix lacks.
+//!
 //! This crate knows nothing of meshes, elements or loads.
 
 mod assembly_tree;
@@ -35,6 +37,7 @@ mod error;
 pub mod faer_backend;
 mod front;
 mod geometric;
+pub mod gmres;
 mod minimum_degree;
 mod numeric;
 mod ordering;

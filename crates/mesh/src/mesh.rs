@@ -133,6 +133,26 @@ impl Mesh {
         jacobian
     }
 
+    /// Largest extent along an axis, mm.
+    pub fn extent(&self) -> f64 {
+        let along = |d: usize| {
+            let span = |(a, b): (f64, f64), x: &[f64; 3]| (a.min(x[d]), b.max(x[d]));
+            let (low, high) = self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
+            high - low
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
+    /// Edge of a cube as large as an element is on the average, mm.
+    pub fn mean_element_size(&self) -> f64 {
+        (self.volume() / self.num_elements().max(1) as f64).cbrt()
+    }
+
+    /// Positions of the nodes at a displacement (one entry per node), mm.
+    pub fn deformed(&self, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        self.nodes.iter().zip(displacement).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect()
+    }
+
     /// Node nearest to `point` and its distance in mm; the lowest number wins a tie. `None` for an empty mesh.
     pub fn nearest_node(&self, point: [f64; 3]) -> Option<(usize, f64)> {
         let squared = |x: &[f64; 3]| (0..3).map(|i| (x[i] - point[i]).powi(2)).sum::<f64>();

@@ -5,7 +5,8 @@
 //! * [`options`]: the tables that both have.
 //! * [`law`], [`material`]: hyperelastic laws and their constants; what else a material has.
 //! * [`formulation`]: element formulations.
-//! * [`load`]: what acts on a body, as functions of time.
+//! * [`load`]: what acts on a body, as functions of the load parameter.
+//! * [`quantity`]: the load parameter, pressures.
 //! * [`obstacle`]: rigid bodies that a deformable one may touch.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
@@ -23,6 +24,7 @@ pub mod obstacle;
 pub mod obstacle_table;
 pub mod options;
 pub mod problem;
+pub mod quantity;
 pub mod range_check;
 mod series;
 mod units;
@@ -36,5 +38,7 @@ pub use obstacle::{Obstacle, Shape};
 pub use obstacle_table::{ObstacleTable, ShapeName};
 pub use options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Resolution, Size, Solver};
 pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
+pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
+pub use series::Series;
 pub use units::MPA_PER_KPA;

@@ -1,15 +1,15 @@
-//! What acts on a body, as functions of time.
-//!
-//! Time is the parameter of the load path; nothing depends on how fast it passes. For an actuator it is the air pressure in kPa.
+//! What acts on a body, as functions of the load parameter ([`LoadParameter`]), which files call time where it is no pressure.
 
 use pneuflex_mesh::Facet;
 
-/// A piecewise linear function of time.
+use crate::quantity::LoadParameter;
+
+/// A piecewise linear function of the load parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Curve {
-    /// This many times the time.
+    /// This many times the parameter.
     Proportional(f64),
-    /// Through points (time, value) in the order of time; constant before the first and after the last.
+    /// Through points (parameter, value) in the order of the parameter; constant before the first and after the last.
     Table(Vec<[f64; 2]>),
 }
 
@@ -56,7 +56,7 @@ pub enum Load {
         nodes: Vec<u32>,
         /// Force on each, N.
         force: [f64; 3],
-        /// Factor by time.
+        /// Factor along the load path.
         curve: Curve,
     },
     /// A force per area at rest that keeps its direction, MPa.
@@ -65,14 +65,14 @@ pub enum Load {
         facets: Vec<Facet>,
         /// Force per area at rest, MPa.
         traction: [f64; 3],
-        /// Factor by time.
+        /// Factor along the load path.
         curve: Curve,
     },
     /// A pressure that stays normal to the deformed faces, against their outer normals, MPa.
     Pressure {
         /// Loaded faces.
         facets: Vec<Facet>,
-        /// Pressure by time, MPa.
+        /// Pressure along the load path, MPa.
         curve: Curve,
     },
     /// Weight, by the materials' densities.
@@ -81,59 +81,59 @@ pub enum Load {
         elements: Option<Vec<u32>>,
         /// Acceleration, mm/s².
         acceleration: [f64; 3],
-        /// Factor by time.
+        /// Factor along the load path.
         curve: Curve,
     },
 }
 
-/// Displacements of a support, in the same ratio at all times.
+/// Displacements of a support, in the same ratio everywhere on the load path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     /// Displacement where the curve is 1, mm; only that along held axes counts.
     pub displacement: [f64; 3],
-    /// Factor by time.
+    /// Factor along the load path.
     pub curve: Curve,
 }
 
-/// Σ cᵢ uᵢ = b(t) over components of nodes' displacements.
+/// Σ cᵢ uᵢ = b over components of nodes' displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearEquation {
     /// Node, axis and coefficient of every term.
     pub terms: Vec<(u32, u8, f64)>,
-    /// Right-hand side by time, mm (times the coefficients' unit).
+    /// Right-hand side along the load path, mm (times the coefficients' unit).
     pub value: Curve,
 }
 
 impl Curve {
-    /// Zero at all times.
+    /// Zero everywhere.
     pub const ZERO: Self = Self::Proportional(0.0);
 
-    /// The same value at all times.
+    /// The same value everywhere.
     pub fn constant(value: f64) -> Self {
         Self::Table(vec![[0.0, value]])
     }
 
-    /// Value at a time.
-    pub fn at(&self, time: f64) -> f64 {
+    /// Value at a position on the load path.
+    pub fn at(&self, LoadParameter(parameter): LoadParameter) -> f64 {
         let points = match self {
-            Self::Proportional(slope) => return slope * time,
+            Self::Proportional(slope) => return slope * parameter,
             Self::Table(points) => points,
         };
-        let after = points.partition_point(|point| point[0] <= time);
+        let after = points.partition_point(|point| point[0] <= parameter);
         match (&points[..after], &points[after..]) {
-            ([.., [t0, v0]], [[t1, v1], ..]) => v0 + (v1 - v0) * (time - t0) / (t1 - t0),
+            ([.., [t0, v0]], [[t1, v1], ..]) => v0 + (v1 - v0) * (parameter - t0) / (t1 - t0),
             ([.., [_, value]], []) | ([], [[_, value], ..]) => *value,
             ([], []) => 0.0,
         }
     }
 
-    /// Times at which its slope changes.
-    pub fn corners(&self) -> impl Iterator<Item = f64> {
+    /// Positions at which its slope changes.
+    pub fn corners(&self) -> impl Iterator<Item = LoadParameter> {
         let points: &[[f64; 2]] = match self {
             Self::Proportional(_) => &[],
             Self::Table(points) => points,
         };
-        points.iter().map(|point| point[0])
+        points.iter().map(|point| LoadParameter(point[0]))
     }
 }
 
@@ -146,10 +146,10 @@ mod tests {
         let curve = Curve::Table(vec![[1.0, 2.0], [3.0, 6.0], [3.0, 1.0], [4.0, 0.0]]);
         let expected = [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 1.0), (3.5, 0.5), (9.0, 0.0)];
         for (time, value) in expected {
-            assert_eq!(curve.at(time), value, "at {time}");
+            assert_eq!(curve.at(LoadParameter(time)), value, "at {time}");
         }
-        assert_eq!(Curve::Proportional(1e-3).at(35.0), 0.035);
-        assert_eq!(Curve::constant(7.0).at(-1.0), 7.0);
-        assert_eq!(Curve::Table(Vec::new()).at(1.0), 0.0);
+        assert_eq!(Curve::Proportional(1e-3).at(LoadParameter(35.0)), 0.035);
+        assert_eq!(Curve::constant(7.0).at(LoadParameter(-1.0)), 7.0);
+        assert_eq!(Curve::Table(Vec::new()).at(LoadParameter(1.0)), 0.0);
     }
 }

@@ -3,6 +3,7 @@
 use pneuflex_mesh::Facet;
 
 use crate::load::Motion;
+use crate::quantity::LoadParameter;
 
 /// A rigid body without friction that some faces must not enter.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,10 +76,10 @@ impl Shape {
 }
 
 impl Obstacle {
-    /// By how much it has moved at a time, mm.
-    pub fn offset(&self, time: f64) -> [f64; 3] {
+    /// By how much it has moved at a position on the load path, mm.
+    pub fn offset(&self, parameter: LoadParameter) -> [f64; 3] {
         let Some(motion) = &self.motion else { return [0.0; 3] };
-        let factor = motion.curve.at(time);
+        let factor = motion.curve.at(parameter);
         motion.displacement.map(|x| factor * x)
     }
 }
@@ -100,9 +101,9 @@ mod tests {
             motion: Some(motion),
             report_force: true,
         };
-        assert_eq!(obstacle.offset(5.0), [0.0, 1.0, -2.0]);
+        assert_eq!(obstacle.offset(LoadParameter(5.0)), [0.0, 1.0, -2.0]);
         assert_eq!(obstacle.shape.reference_point(), [1.0, 2.0, 3.0]);
         obstacle.motion = None;
-        assert_eq!(obstacle.offset(5.0), [0.0; 3]);
+        assert_eq!(obstacle.offset(LoadParameter(5.0)), [0.0; 3]);
     }
 }

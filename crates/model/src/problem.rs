@@ -11,6 +11,7 @@ use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 use crate::material::Material;
 use crate::obstacle::Obstacle;
 use crate::options::{Contact, ContactMethod};
+use crate::quantity::LoadParameter;
 use crate::range_check::CaseError;
 use crate::units::MPA_PER_KPA;
 
@@ -39,11 +40,11 @@ pub struct Problem {
     pub contact_pairs: Vec<ContactPair>,
     /// Rigid bodies that may be touched.
     pub obstacles: Vec<Obstacle>,
-    /// What the time of a load path stands for.
+    /// What the load parameter counts.
     pub clock: Clock,
 }
 
-/// What the time of a load path stands for.
+/// What the parameter of a load path counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
     /// The air pressure in kPa.
@@ -54,8 +55,8 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// A time in words, e.g. `35 kPa`.
-    pub fn words(self, time: f64) -> String {
+    /// A position on the load path in words, e.g. `35 kPa`.
+    pub fn words(self, LoadParameter(time): LoadParameter) -> String {
         let digits = |count: usize| {
             let text = format!("{time:.count$}");
             text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -235,12 +236,12 @@ impl Problem {
         (materials.collect(), of_element)
     }
 
-    /// Displacements that the supports prescribe at a time, mm; 0 at free degrees of freedom.
-    pub fn held_displacement(&self, time: f64) -> Vec<[f64; 3]> {
+    /// Displacements that the supports prescribe at a position on the load path, mm; 0 at free degrees of freedom.
+    pub fn held_displacement(&self, parameter: LoadParameter) -> Vec<[f64; 3]> {
         let mut displacement = vec![[0.0; 3]; self.mesh.num_nodes()];
         for support in &self.supports {
             let Some(motion) = &support.motion else { continue };
-            let factor = motion.curve.at(time);
+            let factor = motion.curve.at(parameter);
             for &node in &support.nodes {
                 for axis in (0..3).filter(|&axis| support.axes[axis]) {
                     displacement[node as usize][axis] = factor * motion.displacement[axis];

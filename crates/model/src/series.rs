@@ -16,6 +16,18 @@ pub enum Series {
     Points(Vec<[f64; 2]>),
 }
 
+impl From<f64> for Series {
+    fn from(value: f64) -> Self {
+        Self::End(value)
+    }
+}
+
+impl From<Vec<[f64; 2]>> for Series {
+    fn from(points: Vec<[f64; 2]>) -> Self {
+        Self::Points(points)
+    }
+}
+
 /// Written out because the derived reader of an untagged enum cannot say what it expects.
 impl<'de> Deserialize<'de> for Series {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -5,22 +5,24 @@
 //! depth (Uzawa's iteration; Wriggers 2006, *Computational Contact Mechanics*, §10.2; Simo & Laursen 1992, *Comput. Struct.* 42). The
 //! multipliers stay with their points on the way to the next load.
 
-use crate::history::{Augmentation, Cause};
+use crate::event::Observer;
+use crate::failure::Cause;
+use crate::history::Augmentation;
 use crate::path::Path;
 
 /// Multipliers are brought up to date at most so often at one load.
 pub const MOST_AUGMENTATIONS: usize = 30;
 
-impl Path<'_> {
+impl Path {
     /// Brings the multipliers up to date and solves again until no contact point that carries traction is further than the
     /// tolerance from its partner. Where that fails, the last equilibrium stays with the reason.
     ///
     /// # Errors
     /// [`Cause::Interrupted`]; the state before the last update stays.
-    pub(crate) fn augment(&mut self, tolerance: f64) -> Result<(), Cause> {
+    pub(crate) fn augment(&mut self, tolerance: f64, observer: Observer<'_>) -> Result<(), Cause> {
         let mut failure = None;
         for count in 0..=MOST_AUGMENTATIONS {
-            let u = self.displacement().to_vec();
+            let u = self.equilibrium().state.displacement.clone();
             let (tractions, distance) = self.system().contact_tractions(&u);
             if distance > tolerance && count == MOST_AUGMENTATIONS {
                 failure = Some(format!("not within {tolerance} mm after {count} updates of the multipliers"));
@@ -29,16 +31,19 @@ impl Path<'_> {
                 self.set_augmentation(Augmentation { count, distance, failure });
                 return Ok(());
             }
-            let before = self.system().contact_multipliers().to_vec();
-            self.system().set_contact_multipliers(tractions);
-            if let Err(cause) = self.solve_again() {
-                self.system().set_contact_multipliers(before);
-                if cause == Cause::Interrupted {
-                    return Err(cause);
+            let before = self.system().contact_multipliers();
+            self.system().set_contact_multipliers(&tractions);
+            match self.solve_again(None, observer) {
+                Ok(converged) => self.adopt(converged),
+                Err(cause) => {
+                    self.system().set_contact_multipliers(&before);
+                    if cause == Cause::Interrupted {
+                        return Err(cause);
+                    }
+                    let failure = Some(format!("the equilibrium after update {} was not found: {cause}", count + 1));
+                    self.set_augmentation(Augmentation { count, distance, failure });
+                    return Ok(());
                 }
-                let failure = Some(format!("the equilibrium after update {} was not found: {cause}", count + 1));
-                self.set_augmentation(Augmentation { count, distance, failure });
-                return Ok(());
             }
         }
         Ok(())

@@ -1,27 +1,44 @@
-//! Newton-Raphson with mixed linearisation, rotation-aware increments and load stepping.
+//! Newton–Raphson with mixed linearisation, rotation updates and load stepping.
 //!
-//! * [`system`]: the equations of a problem at a state: residual, tangent, factor, reactions.
-//! * `loads`: its loads; [`border`]: the unknowns beside the displacements.
-//! * `gmres`: solutions with the unsymmetric part that pressures on open surfaces have.
-//! * [`warp`]: corrections bent into rotations.
-//! * [`path`]: Newton's method at one load and the stepping around it.
-//! * [`augmentation`]: the contact's multipliers at the requested loads.
-//! * [`checkpoint`]: what is needed to go on after a kill.
-//! * [`history`]: what a run reports.
+//! * [`contributions`]: the list of what a problem's energy and residual consist of; [`system`]: their sum at a state.
+//! * [`state`]: the unknowns, and an equilibrium; [`linearisation`]: what a tangent is made from.
+//! * [`tangent_solver`]: solutions with a tangent: its factor, `bordered` unknowns, an unsymmetric part.
+//! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is.
+//! * [`rotation_update`]: how displacements follow a correction.
+//! * [`path`]: Newton's method at one load, the guess before it, the steps around it; `prescribed_motion`: supports that move.
+//! * [`augmentation`]: the contact's multipliers at the requested positions.
+//! * [`checkpoint`]: what is needed to go on after a kill; [`event`], [`history`], [`failure`],
+//!   [`timing`]: what a run reports.
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
 pub mod augmentation;
-pub mod border;
+pub mod bordered;
 pub mod checkpoint;
-mod gmres;
+pub mod contributions;
+mod convergence;
+pub mod error;
+pub mod event;
+pub mod failure;
+pub mod globalisation;
 pub mod history;
-mod loads;
+pub mod linearisation;
 pub mod path;
+mod prescribed_motion;
+pub mod rotation_update;
+mod stability;
+pub mod state;
 pub mod system;
-pub mod warp;
+pub mod tangent_solver;
+pub mod timing;
 
 pub use checkpoint::Checkpoint;
-pub use history::{Augmentation, Cause, Event, Failure, IterationRecord, LandedState, PathReport, Stability, Timing};
-pub use path::{Path, ResumeError, follow_path};
-pub use system::{Correction, SetupError, System};
+pub use error::{AssembleError, ResumeError, SetupError};
+pub use event::{Event, Observer};
+pub use failure::{Cause, Failure, Stability};
+pub use history::{Augmentation, ConvergedState, IterationRecord};
+pub use path::{Path, follow_path};
+pub use state::{Correction, Equilibrium, State};
+pub use system::System;
+pub use tangent_solver::{Assembled, Tangent};
+pub use timing::{PathReport, Timing};

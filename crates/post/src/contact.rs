@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pneuflex_contact::obstacle::distance;
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
 use pneuflex_mesh::Facet;
-use pneuflex_model::{ContactPair, Problem};
+use pneuflex_model::{ContactPair, LoadParameter, Problem};
 
 use crate::error::{PostError, check};
 use crate::search::Surface;
@@ -52,34 +52,34 @@ pub struct ObstacleForce {
     pub facet_force: Vec<[f64; 3]>,
 }
 
-/// Evaluates the contact of a state without multipliers at the beginning of time, see [`evaluate_at`].
+/// Evaluates the contact of a state without multipliers at the beginning of the load path, see [`evaluate_at`].
 ///
 /// # Errors
 /// As there.
-pub fn evaluate(problem: &Problem, displacement: &[f64]) -> Result<ContactState, PostError> {
-    evaluate_at(problem, displacement, 0.0, &[])
+pub fn evaluate(problem: &Problem, displacement: &[[f64; 3]]) -> Result<ContactState, PostError> {
+    evaluate_at(problem, displacement, LoadParameter::default(), &[])
 }
 
 /// Evaluates the contact of a state.
 ///
-/// `displacement` has three entries per node, mm; `time` tells where obstacles are; `multipliers` (MPa) are those of the contact's
+/// `displacement` has one entry per node, mm; `parameter` tells where obstacles are; `multipliers` (MPa) are those of the contact's
 /// points, or none.
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
 pub fn evaluate_at(
     problem: &Problem,
-    displacement: &[f64],
-    time: f64,
+    displacement: &[[f64; 3]],
+    parameter: LoadParameter,
     multipliers: &[f64],
 ) -> Result<ContactState, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut model = ContactModel::of(problem);
     if !multipliers.is_empty() {
         check("contact multipliers", multipliers, model.num_points())?;
     }
     model.set_multipliers(multipliers.to_vec());
-    model.set_time(time);
+    model.set_parameter(parameter);
     let mut state = ContactState {
         points_active: 0,
         area_mm2: 0.0,
@@ -107,11 +107,10 @@ pub fn evaluate_at(
     for pair in problem.contact_pairs.iter().filter(|pair| !pair.is_self()) {
         gaps(problem, pair, displacement, &mut state);
     }
-    let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks(3)))
-        .map(|(x, u)| std::array::from_fn(|d| x[d] + u[d]))
-        .collect();
+    let positions: Vec<[f64; 3]> =
+        (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|d| x[d] + u[d])).collect();
     for obstacle in &problem.obstacles {
-        let offset = obstacle.offset(time);
+        let offset = obstacle.offset(parameter);
         for node in obstacle.facets.iter().flat_map(|&facet| problem.mesh.facet_nodes(facet)) {
             let found = distance(&obstacle.shape, offset, positions[node as usize]).value;
             let gap = &mut state.nodal_gap[node as usize];
@@ -131,12 +130,13 @@ pub fn evaluate_at(
         // The force is the negative gradient of the contact's energy.
         let gradient = evaluated.residual;
         let per_face = gradient.len() / 2;
-        let Partner::Face { pass, face: master_face } = block.partner else { continue };
-        let pass = model.pass(pass);
+        let Partner::Face { surface_pair, face: master_face } = block.partner else { continue };
+        let surface_pair = model.surface_pair(surface_pair);
         for (which, face) in [block.slave_face, master_face].into_iter().enumerate() {
-            let is_second = (which == 1) != pass.is_reversed && !problem.contact_pairs[pass.pair].is_self();
+            let is_second =
+                (which == 1) != surface_pair.is_reversed && !problem.contact_pairs[surface_pair.pair].is_self();
             let side = usize::from(is_second);
-            let force = &mut state.facet_force[pass.pair][side][face];
+            let force = &mut state.facet_force[surface_pair.pair][side][face];
             for g in gradient[which * per_face..(which + 1) * per_face].chunks(3) {
                 for d in 0..3 {
                     force[d] -= g[d];
@@ -165,7 +165,7 @@ impl ObstacleForce {
     }
 }
 
-fn gaps(problem: &Problem, pair: &ContactPair, displacement: &[f64], state: &mut ContactState) {
+fn gaps(problem: &Problem, pair: &ContactPair, displacement: &[[f64; 3]], state: &mut ContactState) {
     for (wall, opposite) in [(&pair.slave, &pair.master), (&pair.master, &pair.slave)] {
         let surface = Surface::new(problem, opposite, displacement);
         let mut hint = None;
@@ -224,7 +224,7 @@ mod tests {
     use pneuflex_model::load::Motion;
     use pneuflex_model::{ContactMethod, Curve, Obstacle, Shape};
 
-    fn pushed(problem: &Problem) -> Vec<f64> {
+    fn pushed(problem: &Problem) -> Vec<[f64; 3]> {
         displacement_of(problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 }, 0.0, 0.0])
     }
 
@@ -269,10 +269,10 @@ mod tests {
         let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };
         let obstacles = vec![table("still", -2.0, None), table("rising", -5.0, Some(rising))];
         problem.obstacles = obstacles;
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let bottom = problem.mesh.nearest_node([9.0, 4.0, 0.0]).unwrap().0;
         for (time, expected) in [(0.0, 2.0), (3.0, 2.0), (4.0, 1.0), (5.1, -0.1)] {
-            let state = evaluate_at(&problem, &zero, time, &[]).unwrap();
+            let state = evaluate_at(&problem, &zero, LoadParameter(time), &[]).unwrap();
             assert!((state.nodal_gap[bottom].unwrap() - expected).abs() < 1e-12, "{time}");
             // k d, upwards, on the face and so at its nodes.
             let pressure = state.nodal_traction(&problem)[bottom][2];

@@ -17,8 +17,8 @@ use crate::vtu::{Field, Grid};
 ///
 /// # Errors
 /// Displacements of the wrong length or with a number that is not finite.
-pub fn body(problem: &Problem, displacement: &[f64], stress: &StressField, time: f64) -> Result<Grid, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, time: f64) -> Result<Grid, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mesh = &problem.mesh;
     let nodal = stress.at_nodes(problem);
     let mut grid = Grid { points: mesh.nodes.clone(), time, ..Grid::default() };
@@ -26,7 +26,7 @@ pub fn body(problem: &Problem, displacement: &[f64], stress: &StressField, time:
         grid.push_cell(mesh.kind_of(element).vtk_cell_type, mesh.element(element).iter().copied());
     }
     grid.point_data = vec![
-        Field::vector("displacement", displacement.to_vec()),
+        Field::vector("displacement", displacement.as_flattened().to_vec()),
         Field::scalar("von_mises", nodal.iter().map(|s| von_mises(*s)).collect()),
         Field::symmetric_tensor("cauchy_stress", nodal.as_flattened().to_vec()),
     ];
@@ -72,11 +72,11 @@ pub fn contact_faces(problem: &Problem) -> Vec<ContactFace> {
 /// Displacements of the wrong length or with a number that is not finite.
 pub fn contact_walls(
     problem: &Problem,
-    displacement: &[f64],
+    displacement: &[[f64; 3]],
     contact: &ContactState,
     time: f64,
 ) -> Result<Option<Grid>, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mesh = &problem.mesh;
     let mut grid = Grid { time, ..Grid::default() };
     let (mut gap, mut side) = (Vec::new(), Vec::new());
@@ -106,7 +106,7 @@ pub fn contact_walls(
     let gaps: Vec<f64> = nodes.iter().map(|&n| contact.nodal_gap[n].unwrap_or(0.0)).collect();
     grid.points = nodes.iter().map(|&n| mesh.nodes[n]).collect();
     grid.point_data = vec![
-        Field::vector("displacement", nodes.iter().flat_map(|&n| displacement[3 * n..3 * n + 3].to_vec()).collect()),
+        Field::vector("displacement", nodes.iter().flat_map(|&n| displacement[n]).collect()),
         Field::vector("contact_traction", nodes.iter().flat_map(|&n| traction[n]).collect()),
         Field::scalar("contact_gap", gaps),
     ];
@@ -154,7 +154,7 @@ mod tests {
         table.facets.push(problem.contact_pairs[0].slave[0]);
         problem.obstacles.push(Obstacle { name: "b".into(), ..table });
         assert_eq!(contact_faces(&problem).len(), of_pairs + bottom.len());
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let contact = contact::evaluate(&problem, &zero).unwrap();
         let walls = contact_walls(&problem, &zero, &contact, 5.0).unwrap().unwrap();
         let inner = walls.points.iter().position(|x| x[2] == 0.0 && x[0] > 1.0 && x[0] < 17.0).unwrap();

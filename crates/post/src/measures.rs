@@ -4,7 +4,7 @@ use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
 use crate::surface::Patch;
-use crate::vector::{Vec3, at_node, dot};
+use crate::vector::{Vec3, dot};
 
 /// The bottom centreline in the deformed state: \[x, z\] in mm, ordered by the reference x from the clamp to the tip.
 ///
@@ -12,15 +12,15 @@ use crate::vector::{Vec3, at_node, dot};
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn centreline(problem: &Problem, displacement: &[f64]) -> Result<Vec<[f64; 2]>, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn centreline(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mesh = &problem.mesh;
     let mut nodes = mesh.node_set("bottom_centreline").to_vec();
     nodes.sort_by(|&a, &b| mesh.nodes[a as usize][0].total_cmp(&mesh.nodes[b as usize][0]).then(a.cmp(&b)));
     Ok(nodes
         .into_iter()
         .map(|n| {
-            let (x, u) = (mesh.nodes[n as usize], at_node(displacement, n));
+            let (x, u) = (mesh.nodes[n as usize], displacement[n as usize]);
             [x[0] + u[0], x[2] + u[2]]
         })
         .collect())
@@ -35,7 +35,7 @@ pub fn centreline(problem: &Problem, displacement: &[f64]) -> Result<Vec<[f64; 2
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn end_face_angle_deg(problem: &Problem, displacement: &[f64]) -> Result<f64, PostError> {
+pub fn end_face_angle_deg(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, PostError> {
     let line = centreline(problem, displacement)?;
     let mesh = &problem.mesh;
     let nodes = mesh.node_set("end_face");
@@ -46,7 +46,7 @@ pub fn end_face_angle_deg(problem: &Problem, displacement: &[f64]) -> Result<f64
         nodes
             .iter()
             .map(|&n| {
-                let (x, u) = (mesh.nodes[n as usize], at_node(displacement, n));
+                let (x, u) = (mesh.nodes[n as usize], displacement[n as usize]);
                 if deformed { [x[0] + u[0], x[2] + u[2]] } else { [x[0], x[2]] }
             })
             .collect()
@@ -90,8 +90,8 @@ fn line_rotation(line: &[[f64; 2]]) -> f64 {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn cavity_volume(problem: &Problem, displacement: &[f64]) -> Result<f64, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn cavity_volume(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut sum = 0.0;
     for facet in problem.cavity_facets() {
         let patch = Patch::new(&problem.mesh, facet, Some(displacement));
@@ -107,8 +107,8 @@ pub fn cavity_volume(problem: &Problem, displacement: &[f64]) -> Result<f64, Pos
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[f64]) -> Result<Option<f64>, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> Result<Option<f64>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let Ok(plane_y) = problem.cavity_plane(cavity) else { return Ok(None) };
     let mut sum = 0.0;
     for &facet in &cavity.facets {
@@ -127,12 +127,12 @@ pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[f64]) -> Resul
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn reaction(problem: &Problem, reaction: &[f64], support: &str) -> Result<[f64; 3], PostError> {
-    check("reaction", reaction, problem.num_dofs())?;
+pub fn reaction(problem: &Problem, reaction: &[[f64; 3]], support: &str) -> Result<[f64; 3], PostError> {
+    check("reaction", reaction.as_flattened(), problem.num_dofs())?;
     let mut sum = [0.0; 3];
     for support in problem.supports.iter().filter(|s| s.name == support) {
         for &node in &support.nodes {
-            let r: Vec3 = at_node(reaction, node);
+            let r: Vec3 = reaction[node as usize];
             for d in 0..3 {
                 sum[d] += r[d];
             }
@@ -178,7 +178,7 @@ mod tests {
     fn air_volume_follows_an_affine_map() {
         let problem = two_chambers(1.0);
         let at_rest = 2.0 * 6.0 * 9.0 * 8.0 + 16.0 + 12.0;
-        let volume = cavity_volume(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
+        let volume = cavity_volume(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
         assert!((volume - at_rest).abs() < 1e-9, "{volume}");
         let u = displacement_of(&problem, |x| [0.2 * x[0] + 0.3 * x[2], 0.1 * x[1], -0.1 * x[2] + 0.2 * x[0]]);
         let determinant = 1.1 * (1.2 * 0.9 - 0.3 * 0.2);
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn reactions_are_summed_over_the_named_support_only() {
         let problem = two_chambers(2.0);
-        let ones = vec![1.0; problem.num_dofs()];
+        let ones = vec![[1.0; 3]; problem.mesh.num_nodes()];
         let clamp = problem.supports[0].nodes.len() as f64;
         assert_eq!(reaction(&problem, &ones, "clamp").unwrap(), [clamp; 3]);
         assert_eq!(reaction(&problem, &ones, "nothing").unwrap(), [0.0; 3]);
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn the_centreline_starts_at_the_clamp() {
         let problem = two_chambers(1.0);
-        let line = centreline(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
+        let line = centreline(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
         assert_eq!(line.len(), 19);
         assert_eq!((line[0], line[18]), ([0.0, 0.0], [18.0, 0.0]));
         assert!(line.windows(2).all(|w| w[0][0] < w[1][0]));

@@ -62,8 +62,8 @@ impl Penetration {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn measure(problem: &Problem, displacement: &[f64]) -> Result<Penetration, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn measure(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Penetration, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let pairs = problem.contact_pairs.iter().filter(|p| !p.slave.is_empty() && !p.master.is_empty() && !p.is_self());
     Ok(Penetration { gaps: pairs.map(|pair| gap(problem, pair, displacement)).collect() })
 }
@@ -72,8 +72,8 @@ pub fn measure(problem: &Problem, displacement: &[f64]) -> Result<Penetration, P
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn touching(problem: &Problem, displacement: &[f64]) -> Result<Vec<[f64; 3]>, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn touching(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut found = Vec::new();
     for pair in problem.contact_pairs.iter().filter(|pair| !pair.is_self()) {
         let master = Surface::new(problem, &pair.master, displacement);
@@ -98,7 +98,7 @@ fn sample_points(kind: FaceKind) -> impl Iterator<Item = [f64; 2]> {
     (0..SAMPLES).flat_map(move |i| (0..SAMPLES).map(move |j| cell_centre(kind, SAMPLES, [i, j])))
 }
 
-fn gap(problem: &Problem, pair: &ContactPair, displacement: &[f64]) -> GapPenetration {
+fn gap(problem: &Problem, pair: &ContactPair, displacement: &[[f64; 3]]) -> GapPenetration {
     let master = Surface::new(problem, &pair.master, displacement);
     let mut found = GapPenetration { name: pair.name.clone(), min_gap_mm: f64::INFINITY, penetrating_area_mm2: 0.0 };
     let mut centres: Vec<(f64, Patch, Facet, usize)> = Vec::new();
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn at_rest_the_gap_is_its_width() {
         let problem = two_chambers(1.0);
-        let found = measure(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
+        let found = measure(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
         assert_eq!(found.gaps.len(), 1);
         assert!((found.min_gap_mm().unwrap() - 2.0).abs() < 1e-12);
         assert_eq!((found.max_penetration_mm(), found.gaps_in_contact()), (0.0, 0));

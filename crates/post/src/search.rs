@@ -49,7 +49,7 @@ impl Surface {
     ///
     /// Edges on a symmetry plane (all their nodes held along exactly one axis by the same support) do not count as an
     /// end: the body goes on behind the plane.
-    pub fn new(problem: &Problem, facets: &[Facet], displacement: &[f64]) -> Self {
+    pub fn new(problem: &Problem, facets: &[Facet], displacement: &[[f64; 3]]) -> Self {
         let patches: Vec<Patch> = facets.iter().map(|&f| Patch::new(&problem.mesh, f, Some(displacement))).collect();
         let bounds: Vec<Bounds> = patches.iter().map(Patch::bounds).collect();
         let mut order: Vec<u32> = (0..patches.len() as u32).collect();

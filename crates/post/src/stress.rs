@@ -27,7 +27,6 @@ use pneuflex_mesh::{ElementKind, ReferenceBody};
 use pneuflex_model::{Invariant, Material, Problem, Volumetric};
 
 use crate::error::{PostError, check};
-use crate::vector::at_node;
 
 /// A symmetric tensor in the order of VTK: xx, yy, zz, xy, yz, xz.
 pub type SymmetricTensor = [f64; 6];
@@ -84,8 +83,8 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: SymmetricTensor) -> f64 {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite; an element turned inside out.
-pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressField, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mesh = &problem.mesh;
     let (materials, material_of) = problem.materials();
     let laws: Vec<_> = materials.iter().map(|material| ElementMaterial::new(material, problem.formulation)).collect();
@@ -145,7 +144,7 @@ pub fn recover(problem: &Problem, displacement: &[f64]) -> Result<StressField, P
 
 fn local(
     problem: &Problem,
-    displacement: &[f64],
+    displacement: &[[f64; 3]],
     element: usize,
     index: usize,
     point: &IntegrationPoint,
@@ -157,7 +156,7 @@ fn local(
     let cofactor = cofactor(&jacobian);
     let mut by_xi = [[0.0; 3]; 3];
     for (&node, gradient) in mesh.element(element).iter().zip(&point.gradients) {
-        let u = at_node(displacement, node);
+        let u = displacement[node as usize];
         for i in 0..3 {
             for j in 0..3 {
                 by_xi[i][j] += u[i] * gradient[j];
@@ -435,7 +434,7 @@ mod tests {
     fn extrapolation_reproduces_trilinear_fields_and_linear_ones_on_tetrahedra() {
         for formulation in Formulation::ALL {
             let problem = with_formulation(3.0, formulation);
-            let field = recover(&problem, &vec![0.0; problem.num_dofs()]).unwrap();
+            let field = recover(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
             let bent = if formulation.element.body == ReferenceBody::Tetrahedron { 0.0 } else { 1.0 };
             let function =
                 |x: [f64; 3]| 1.0 + x[0] - 2.0 * x[2] + bent * (0.5 * x[0] * x[1] * x[2] - 2.0 * x[1] * x[2]);
@@ -476,11 +475,11 @@ mod tests {
     #[test]
     fn bad_states_are_errors() {
         let problem = two_chambers(3.0);
-        let mut u = vec![0.0; problem.num_dofs()];
+        let mut u = vec![[0.0; 3]; problem.mesh.num_nodes()];
         assert!(matches!(recover(&problem, &u[1..]), Err(PostError::WrongLength { .. })));
-        u[4] = f64::NAN;
+        u[1][1] = f64::NAN;
         assert!(matches!(recover(&problem, &u), Err(PostError::NotFinite { .. })));
-        u[4] = 500.0;
+        u[1][1] = 500.0;
         assert!(matches!(recover(&problem, &u), Err(PostError::Inverted { .. })));
     }
 }

@@ -3,24 +3,23 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Cavity, Clock, MPA_PER_KPA, Probe, Problem};
+use pneuflex_model::{Cavity, Clock, LoadParameter, Pressure, Probe, Problem};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
-use crate::vector::at_node;
 use crate::{contact, fields, measures, penetration, stress, vtu};
 
 /// An equilibrium to be described.
 #[derive(Clone, Copy, Debug)]
 pub struct State<'a> {
-    /// Time of the path: the air pressure in kPa for actuators.
-    pub time: f64,
-    /// Pressure in every cavity, MPa.
-    pub cavity_pressures: &'a [f64],
-    /// Displacements, mm, three per node.
-    pub displacement: &'a [f64],
-    /// Support reactions, N, three per node.
-    pub reaction: &'a [f64],
+    /// Position on the load path: the air pressure in kPa for actuators.
+    pub parameter: LoadParameter,
+    /// Pressure in every cavity.
+    pub cavity_pressures: &'a [Pressure],
+    /// Displacements, mm, one entry per node.
+    pub displacement: &'a [[f64; 3]],
+    /// Support reactions, N, one entry per node.
+    pub reaction: &'a [[f64; 3]],
     /// Newton iterations spent since the previous landing.
     pub iterations: usize,
     /// Load steps accepted since the previous landing.
@@ -81,6 +80,13 @@ pub struct StepSummary {
     /// What to be careful about; left out if there is nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+}
+
+impl StepSummary {
+    /// Its position on the load path: the time of a model with a schedule, the pressure in kPa of an actuator.
+    pub fn when(&self) -> LoadParameter {
+        LoadParameter(self.time.unwrap_or(self.pressure_kpa))
+    }
 }
 
 /// A cavity at one landed time.
@@ -187,19 +193,19 @@ pub fn describe(
 ) -> Result<Described, PostError> {
     let u = state.displacement;
     let stress = stress::recover(problem, u)?;
-    let contact = contact::evaluate_at(problem, u, state.time, state.contact_multipliers)?;
+    let contact = contact::evaluate_at(problem, u, state.parameter, state.contact_multipliers)?;
     let penetration = penetration::measure(problem, u)?;
     let largest = stress.largest_von_mises();
     let is_model = problem.clock == Clock::Steps;
-    let first = state.cavity_pressures.first().map_or(0.0, |pressure| pressure / MPA_PER_KPA);
+    let first = state.cavity_pressures.first().map_or(0.0, |pressure| pressure.kpa());
     let has_end_face = !problem.mesh.node_set("end_face").is_empty();
     let summary = StepSummary {
-        time: is_model.then_some(state.time),
-        pressure_kpa: if is_model { first } else { state.time },
+        time: is_model.then_some(state.parameter.0),
+        pressure_kpa: if is_model { first } else { state.parameter.0 },
         converged: true,
         iterations: state.iterations,
         load_steps: state.load_steps,
-        probes: sites.iter().map(|(name, site)| (name.clone(), at_node(u, site.node as u32))).collect(),
+        probes: sites.iter().map(|(name, site)| (name.clone(), u[site.node])).collect(),
         end_face_angle_deg: has_end_face.then(|| measures::end_face_angle_deg(problem, u)).transpose()?,
         centreline: measures::centreline(problem, u)?,
         max_von_mises_mpa: largest.map_or(0.0, |p| p.von_mises),
@@ -231,21 +237,21 @@ pub fn describe(
 }
 
 fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, CavitySummary>, PostError> {
-    let of = |(cavity, pressure): (&Cavity, &f64)| {
+    let of = |(cavity, pressure): (&Cavity, &Pressure)| {
         let volume_mm3 = measures::volume(problem, cavity, state.displacement)?;
-        Ok((cavity.name.clone(), CavitySummary { pressure_kpa: pressure / MPA_PER_KPA, volume_mm3 }))
+        Ok((cavity.name.clone(), CavitySummary { pressure_kpa: pressure.kpa(), volume_mm3 }))
     };
     problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
 }
 
 /// Sums by name; of every node only what acts along the axes that the support holds.
 fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f64; 3]>, PostError> {
-    check("reaction", state.reaction, problem.num_dofs())?;
+    check("reaction", state.reaction.as_flattened(), problem.num_dofs())?;
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for support in &problem.supports {
         let sum = sums.entry(support.name.clone()).or_default();
         for &node in &support.nodes {
-            let reaction = at_node(state.reaction, node);
+            let reaction = state.reaction[node as usize];
             for axis in (0..3).filter(|&axis| support.axes[axis]) {
                 sum[axis] += reaction[axis];
             }
@@ -281,7 +287,7 @@ impl Described {
     /// # Errors
     /// A list of the wrong length or a number that is not finite.
     pub fn field_files(&self, problem: &Problem, state: &State<'_>) -> Result<(String, Option<String>), PostError> {
-        let time = state.time;
+        let time = state.parameter.0;
         let body = fields::body(problem, state.displacement, &self.stress, time)?.to_vtu()?;
         let walls: Option<vtu::Grid> = fields::contact_walls(problem, state.displacement, &self.contact, time)?;
         Ok((body, walls.map(|grid| grid.to_vtu()).transpose()?))
@@ -296,13 +302,13 @@ mod tests {
     #[test]
     fn a_state_at_rest_is_described() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let probes = [Probe { name: "tip".into(), at: [18.0, 0.1, 0.0] }];
         let sites = probe_sites(&problem.mesh, &probes);
         assert!((sites["tip"].distance_mm - 0.1).abs() < 1e-12);
         let state = State {
-            time: 5.0,
-            cavity_pressures: &[0.005],
+            parameter: LoadParameter(5.0),
+            cavity_pressures: &[Pressure::from_mpa(0.005)],
             displacement: &zero,
             reaction: &zero,
             iterations: 3,
@@ -333,8 +339,8 @@ mod tests {
         // Plane stretch to 8 has I₁ − 3 = 64 + 1/64 + 1 − 3, beyond the limit of 54.83.
         let u = displacement_of(&problem, |x| [7.0 * x[0], 0.0, -0.875 * x[2]]);
         let state = State {
-            time: 5.0,
-            cavity_pressures: &[0.005],
+            parameter: LoadParameter(5.0),
+            cavity_pressures: &[Pressure::from_mpa(0.005)],
             displacement: &u,
             reaction: &u,
             iterations: 3,

@@ -2,7 +2,7 @@
 
 use pneuflex_mesh::{FaceKind, Facet, Mesh, Outline, shape};
 
-use crate::vector::{Vec3, at_node, cross, dot, norm, sub};
+use crate::vector::{Vec3, cross, dot, norm, sub};
 
 /// A face in its deformed (or reference) position.
 #[derive(Clone, Debug)]
@@ -32,13 +32,13 @@ pub(crate) struct Projection {
 }
 
 impl Patch {
-    /// The face in the state with the given displacements (three per node); `None` for the reference position.
-    pub fn new(mesh: &Mesh, facet: Facet, displacement: Option<&[f64]>) -> Self {
+    /// The face in the state with the given displacements (mm, one entry per node); `None` for the reference position.
+    pub fn new(mesh: &Mesh, facet: Facet, displacement: Option<&[[f64; 3]]>) -> Self {
         let mut nodes = [[0.0; 3]; 9];
         for (position, node) in nodes.iter_mut().zip(mesh.facet_nodes(facet)) {
             *position = mesh.nodes[node as usize];
             if let Some(values) = displacement {
-                let u = at_node(values, node);
+                let u = values[node as usize];
                 for d in 0..3 {
                     position[d] += u[d];
                 }

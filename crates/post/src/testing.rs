@@ -15,7 +15,7 @@ pub(crate) fn with_formulation(size: f64, formulation: Formulation) -> Problem {
         .unwrap()
 }
 
-/// Nodal displacements of a field, three per node.
-pub(crate) fn displacement_of(problem: &Problem, field: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
-    problem.mesh.nodes.iter().flat_map(|&x| field(x)).collect()
+/// Nodal displacements of a field.
+pub(crate) fn displacement_of(problem: &Problem, field: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
+    problem.mesh.nodes.iter().map(|&x| field(x)).collect()
 }

@@ -17,9 +17,3 @@ pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
 pub(crate) fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
-
-/// Displacement of a node out of the list with three entries per node.
-pub(crate) fn at_node(values: &[f64], node: u32) -> Vec3 {
-    let start = 3 * node as usize;
-    [values[start], values[start + 1], values[start + 2]]
-}

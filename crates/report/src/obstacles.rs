@@ -1,6 +1,6 @@
 //! Rigid obstacles as the page draws them: what is endless ends a little beyond the body.
 
-use pneuflex_model::{Obstacle, Shape};
+use pneuflex_model::{LoadParameter, Obstacle, Shape};
 use serde::Serialize;
 
 use crate::error::ReportError;
@@ -118,11 +118,11 @@ impl Passed {
         };
         let halves: &[f64] = if report.mirrored { &[1.0, -1.0] } else { &[1.0] };
         let mut add_both = |[x, y, z]: [f64; 3], offset| halves.iter().for_each(|sign| add([x, sign * y, z], offset));
-        let at_rest = obstacle.offset(0.0);
+        let at_rest = obstacle.offset(LoadParameter::default());
         nodes.iter().for_each(|&x| add_both(x, at_rest));
         for state in report.states.into_iter().flatten() {
-            let offset = obstacle.offset(state.time);
-            for (x, u) in nodes.iter().zip(state.displacement.chunks_exact(3)) {
+            let offset = obstacle.offset(LoadParameter(state.time));
+            for (x, u) in nodes.iter().zip(&state.displacement) {
                 add_both(std::array::from_fn(|d| x[d] + u[d]), offset);
             }
         }
@@ -146,10 +146,10 @@ impl Passed {
 fn path(report: &Report<'_>, obstacle: &Obstacle) -> Vec<[f64; 4]> {
     let Some(motion) = &obstacle.motion else { return Vec::new() };
     let end = report.summary.landed().last().map_or(0.0, |(time, _)| time);
-    let corners = motion.curve.corners().filter(|time| (0.0..end).contains(time) && *time > 0.0);
+    let corners = motion.curve.corners().map(|LoadParameter(at)| at).filter(|at| (0.0..end).contains(at) && *at > 0.0);
     let times = std::iter::once(0.0).chain(corners).chain((end > 0.0).then_some(end));
     let corner = |time: f64| {
-        let [x, y, z] = obstacle.offset(time);
+        let [x, y, z] = obstacle.offset(LoadParameter(time));
         [time, x, y, z]
     };
     times.map(corner).collect()

@@ -212,7 +212,7 @@ mod tests {
         let mut summary = summary_json(&[5.0]);
         change(&mut summary);
         let summary: Summary = serde_json::from_value(summary).unwrap();
-        let u = vec![0.25; problem.num_dofs()];
+        let u = vec![[0.25; 3]; problem.mesh.num_nodes()];
         let nodes = vec![0.0; problem.mesh.num_nodes()];
         let state =
             crate::state::State { time: 5.0, displacement: u, von_mises: nodes.clone(), contact_pressure: nodes };

@@ -140,7 +140,7 @@ fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateDat
     let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
     Ok(StateData {
         time: state.time,
-        displacement: quantised("displacement", &body.completed(&state.displacement, 3))?,
+        displacement: quantised("displacement", &body.completed(state.displacement.as_flattened(), 3))?,
         von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
         contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,
         typical: Typical { von_mises: von_mises_p99, contact_pressure: contact_p99.copied().unwrap_or(0.0) },

@@ -87,7 +87,7 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     if times.windows(2).any(|pair| pair[0] >= pair[1]) {
         return Err(ReportError::Order);
     }
-    let collect = Collect { report, rest: vec![0.0; report.problem.num_dofs()] };
+    let collect = Collect { report, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
     let (key_numbers, plots) = collect.plots()?;
     let series = Series { times, centrelines: collect.centrelines()?, key_numbers, plots };
     let of_plots = (series.plots.iter().chain(&series.key_numbers))
@@ -117,7 +117,7 @@ pub fn force_on_obstacle(report: &Report<'_>, name: &str, force: [f64; 3]) -> [f
 struct Collect<'a> {
     report: &'a Report<'a>,
     /// Displacements at rest.
-    rest: Vec<f64>,
+    rest: Vec<[f64; 3]>,
 }
 
 impl Collect<'_> {
@@ -252,9 +252,7 @@ impl Collect<'_> {
     fn displacements(&self) -> Vec<Curve> {
         let mut curves = Vec::new();
         if let Some(states) = self.report.states {
-            let of = |state: &State| {
-                state.displacement.chunks_exact(3).map(|u| length([u[0], u[1], u[2]])).fold(0.0, f64::max)
-            };
+            let of = |state: &State| state.displacement.iter().map(|&u| length(u)).fold(0.0, f64::max);
             let values = std::iter::once(0.0).chain(states.iter().map(of)).collect();
             curves.push(Curve { name: LARGEST.into(), values });
         }
@@ -334,7 +332,7 @@ mod tests {
         assert!(series.centrelines.is_none() && plot(&series, "Bending angle").is_none());
         let pumped = plot(&series, "Pressure, cavity").unwrap();
         assert_eq!(pumped.curves[0].values, [0.0, 7.0, 14.0]);
-        let (volume, rest) = (pumped.over.as_ref().unwrap(), vec![0.0; problem.num_dofs()]);
+        let (volume, rest) = (pumped.over.as_ref().unwrap(), vec![[0.0; 3]; problem.mesh.num_nodes()]);
         let at_rest = measures::volume(&problem, &problem.cavities[0], &rest).unwrap().unwrap();
         assert_eq!((&volume.values[..], volume.unit), (&[at_rest, 910.0, 920.0][..], "mm³"));
         assert!(plot(&series, "Cavity pressure").is_none() && plot(&series, "Cavity volume").is_none());

@@ -11,8 +11,8 @@ use crate::error::ReportError;
 pub struct State {
     /// Time of the load path: the air pressure in kPa of an actuator.
     pub time: f64,
-    /// Displacements, mm, three per node.
-    pub displacement: Vec<f64>,
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
     /// von Mises stress, MPa.
     pub von_mises: Vec<f64>,
     /// Length of the traction that the opposite wall and obstacles exert, MPa; zero elsewhere.
@@ -33,7 +33,7 @@ impl State {
         }
         let mut state = Self {
             time: body.time,
-            displacement: field(body, "displacement", 3)?,
+            displacement: field(body, "displacement", 3)?.as_chunks().0.to_vec(),
             von_mises: field(body, "von_mises", 1)?,
             contact_pressure: vec![0.0; nodes.len()],
         };

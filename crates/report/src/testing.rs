@@ -12,8 +12,8 @@ pub fn two_chambers(formulation: Formulation) -> Problem {
 }
 
 /// Displacements by the reference position.
-pub fn displaced(problem: &Problem, by: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
-    problem.mesh.nodes.iter().flat_map(|&x| by(x)).collect()
+pub fn displaced(problem: &Problem, by: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
+    problem.mesh.nodes.iter().map(|&x| by(x)).collect()
 }
 
 /// A summary with made-up numbers at the given pressures.

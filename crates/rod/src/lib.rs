@@ -12,11 +12,13 @@
 //!
 //! * [`law`]: moment and curvature.
 //! * [`elastica`]: the boundary-value problem.
-//! * [`mod@identify`]: the parameters from samples of a three-dimensional model.
+//! * [`cell`]: samples of a three-dimensional model, two chambers of the actuator.
+//! * [`mod@identify`]: the parameters from such samples.
 //!
-//! This crate knows nothing of that model, of meshes or of files: samples come from the caller. Units: mm, N, kPa for
+//! Law, rod and identification know nothing of that model. Units: mm, N, kPa for
 //! pressures; curvatures 1/mm, bending stiffnesses N·mm².
 
+pub mod cell;
 pub mod elastica;
 pub mod identify;
 pub mod law;

@@ -135,8 +135,8 @@ fn follow(formulation: Formulation, material: Material, cells: [usize; 2], contr
     let settings = Solver { first_step: 0.05, max_step: 0.2, min_step: 1e-4, ..Solver::default() };
     let mut found = None;
     let mut observer = |event: Event<'_>| {
-        if let Event::Landed(state) = event {
-            found = Some(state.cavity_pressures[0]);
+        if let Event::Converged(state) = event {
+            found = Some(state.cavity_pressures[0].mpa());
         }
     };
     follow_path(&problem, &[1.0], &settings, &mut observer).map_err(|ended| ended.0.to_string())?;

@@ -6,7 +6,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -86,7 +86,7 @@ fn moment(problem: &Problem) -> Result<f64, String> {
     let turned = problem.mesh.select_nodes(|x| near(x[1], LENGTH));
     let moment_of = |&node: &u32| {
         let (x, u, force) =
-            (problem.mesh.nodes[node as usize], at(&state.displacement, node), at(&state.reaction, node));
+            (problem.mesh.nodes[node as usize], state.displacement[node as usize], state.reaction[node as usize]);
         (x[0] + u[0] - centre) * force[1] - (x[1] + u[1]) * force[0]
     };
     // Tension outside and compression inside bend the end as it is turned: the moment is negative about +z.

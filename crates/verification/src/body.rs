@@ -2,7 +2,7 @@
 
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{Formulation, Invariant, Material, Problem, Solver, Support};
-use pneuflex_newton::{Event, LandedState, Path, follow_path};
+use pneuflex_newton::{ConvergedState, Event, Path, follow_path};
 
 /// The material of the paper with the isochoric invariant and a bulk modulus, MPa.
 pub fn material(bulk_modulus: f64) -> Material {
@@ -34,20 +34,17 @@ pub fn displacement(mesh: &Mesh, deformed: impl Fn([f64; 3]) -> [f64; 3]) -> Vec
     mesh.nodes.iter().map(moved).collect()
 }
 
-/// Three entries of a node out of a flat list.
-pub fn at(values: &[f64], node: u32) -> [f64; 3] {
-    std::array::from_fn(|k| values[3 * node as usize + k])
-}
-
 /// Equilibria under displacements of the supports, one after the other.
 ///
 /// # Errors
 /// What kept the solver from converging.
-pub fn impose(problem: &Problem, stages: impl IntoIterator<Item = Vec<[f64; 3]>>) -> Result<Vec<LandedState>, String> {
+pub fn impose(
+    problem: &Problem,
+    stages: impl IntoIterator<Item = Vec<[f64; 3]>>,
+) -> Result<Vec<ConvergedState>, String> {
     let settings = Solver { tolerance: 1e-9, max_iterations: 40, ..Solver::default() };
-    let mut observer = |_: Event<'_>| ();
-    let mut path = Path::new(problem, &settings, &mut observer).map_err(|e| e.to_string())?;
-    stages.into_iter().map(|stage| path.impose(&stage).map_err(|cause| cause.to_string())).collect()
+    let mut path = Path::new(problem, &settings).map_err(|e| e.to_string())?;
+    stages.into_iter().map(|stage| path.prescribe(&stage, &mut |_| ()).map_err(|cause| cause.to_string())).collect()
 }
 
 /// Equilibrium under a pressure, kPa, reached in ten equal steps that are all solved to the end: with a bulk modulus as large
@@ -55,10 +52,10 @@ pub fn impose(problem: &Problem, stages: impl IntoIterator<Item = Vec<[f64; 3]>>
 ///
 /// # Errors
 /// What kept the solver from converging.
-pub fn inflate(problem: &Problem, kpa: f64) -> Result<LandedState, String> {
+pub fn inflate(problem: &Problem, kpa: f64) -> Result<ConvergedState, String> {
     let mut landed = Vec::new();
     let mut observer = |event: Event<'_>| {
-        if let Event::Landed(state) = event {
+        if let Event::Converged(state) = event {
             landed.push(state.clone());
         }
     };
@@ -71,6 +68,6 @@ pub fn inflate(problem: &Problem, kpa: f64) -> Result<LandedState, String> {
 ///
 /// # Errors
 /// If there is none.
-pub fn last(states: Vec<LandedState>) -> Result<LandedState, String> {
+pub fn last(states: Vec<ConvergedState>) -> Result<ConvergedState, String> {
     states.into_iter().next_back().ok_or_else(|| "no state".into())
 }

@@ -6,7 +6,7 @@ use pneuflex_model::{Contact, ContactPair, Formulation, Problem};
 use pneuflex_post::stress;
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::homogeneous::bar_stress;
 use crate::row::Row;
 use crate::yeoh::root;
@@ -72,7 +72,7 @@ fn press(formulation: Formulation, slave: usize, master: usize) -> Result<[f64; 
     });
     let state = last(impose(&problem, stages)?)?;
     let top = problem.mesh.select_nodes(|x| near(x[2], 2.0));
-    let force: f64 = top.iter().map(|&node| at(&state.reaction, node)[2]).sum();
+    let force: f64 = top.iter().map(|&node| state.reaction[node as usize][2]).sum();
     // The way grows as the stretch falls.
     let stretch = root(0.8, 1.0, |s| WAY - 2.0 * (1.0 - s) + bar_stress(&problem.material, s) / STIFFNESS);
 

@@ -8,7 +8,7 @@ use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::{Contact, ContactPair, Formulation, Law, Material, Problem};
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::contact_patch::joined;
 use crate::row::Row;
 
@@ -22,7 +22,7 @@ be a poor measure: they touch or not); the peak pressure is the mean within 0.3 
 spaces are replaced by bodies ten contact radii deep, which are stiffer, of the order a/8 mm ≈ 10 % in the approach (not in a and p₀ at \
 given force), and the strain a/R ≈ 8 % is not infinitesimal. Bounds on the finest mesh: 5 % for a and p₀, 15 % for the approach, chosen \
 beforehand; coarser meshes show the trend. The pressures of single `tet10` \
-elements oscillate (ARCHITECTURE.md), and with them the peak pressure from mesh to mesh.";
+elements oscillate (measurements.md), and with them the peak pressure from mesh to mesh.";
 
 const RADIUS: f64 = 10.0;
 const SIDE: f64 = 8.0;
@@ -82,7 +82,8 @@ fn compare(formulation: Formulation, cells: usize) -> Result<Comparison, String>
         displacement(&problem.mesh, |[x, y, z]| [x, y, if near(z, top) { z - way } else { z }])
     });
     let state = last(impose(&problem, stages)?)?;
-    let quarter: f64 = problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| at(&state.reaction, n)[2]).sum();
+    let quarter: f64 =
+        problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| state.reaction[n as usize][2]).sum();
     let force = 4.0 * quarter.abs();
     let modulus = 2.0 * problem.material.shear_modulus();
     let radius = (0.75 * force * RADIUS / modulus).cbrt();
@@ -105,11 +106,10 @@ struct Touching {
     area: f64,
 }
 
-fn touching_points(problem: &Problem, displacement: &[f64]) -> Vec<Touching> {
+fn touching_points(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<Touching> {
     let model = ContactModel::of(problem);
-    let positions: Vec<[f64; 3]> = (problem.mesh.nodes.iter().zip(displacement.chunks_exact(3)))
-        .map(|(x, u)| std::array::from_fn(|k| x[k] + u[k]))
-        .collect();
+    let positions: Vec<[f64; 3]> =
+        (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect();
     let mut touching = Vec::new();
     for block in model.search(&positions) {
         let nodes = &block.nodes[..block.nodes.len() / 2];

@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Invariant, Material, Problem};
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{root, slope};
 
@@ -78,7 +78,7 @@ fn nominal_stress(problem: &Problem, transverse: Transverse, stretch: f64) -> Re
         displacement(&problem.mesh, |[x, y, z]| [now * x, transverse(now) * y, z])
     });
     let state = last(impose(problem, stages)?)?;
-    Ok(problem.mesh.select_nodes(|x| near(x[0], 1.0)).iter().map(|&node| at(&state.reaction, node)[0]).sum())
+    Ok(problem.mesh.select_nodes(|x| near(x[0], 1.0)).iter().map(|&node| state.reaction[node as usize][0]).sum())
 }
 
 /// Nominal stress of a bar of the compressible material, MPa.

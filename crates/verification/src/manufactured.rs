@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, reference_gradients, tabulate};
-use pneuflex_assembly::{Assembler, LocalContribution, Request, Solid, Totals};
+use pneuflex_assembly::{Assembler, LocalContribution, Mixed, Prediction, Request, Solid, Totals};
 use pneuflex_factor::{Factor, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Mesh, shape, with_num_nodes};
@@ -179,7 +179,8 @@ fn newton(
     let symbolic = Symbolic::analyze(assembler.pattern(), Ordering::default()).map_err(|e| e.to_string())?;
     let mut factor = Factor::<3>::new(Arc::new(symbolic));
     let mut totals = Totals::default();
-    solid.carry_pressures(u);
+    solid.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None }));
+    solid.linearise();
     let mut largest = f64::INFINITY;
     for _ in 0..30 {
         assembler.reset(&mut totals, Request::Tangent);
@@ -189,7 +190,8 @@ fn newton(
         let mut step: Vec<f64> = residual.zip(held).map(|((r, f), held)| if *held { 0.0 } else { f - r }).collect();
         factor.solve_in_place(&mut step, 1).map_err(|e| e.to_string())?;
         let step: Vec<[f64; 3]> = step.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
-        solid.update_pressures(u, &step);
+        solid.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: Some(step.clone()) }));
+        solid.linearise();
         for (u, step) in u.as_flattened_mut().iter_mut().zip(step.as_flattened()) {
             *u += step;
         }

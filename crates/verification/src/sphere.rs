@@ -67,7 +67,7 @@ fn inner_displacement(formulation: Formulation, cells: [usize; 2], widening: f64
     let problem = sphere(formulation, material, cells);
     let (node, _) = problem.mesh.nearest_node([RADII[0], 0.0, 0.0]).ok_or("no node")?;
     let state = inflate(&problem, kpa)?;
-    Ok([state.displacement[3 * node], exact])
+    Ok([state.displacement[node][0], exact])
 }
 
 /// Pressure, MPa, at a displacement of the inner surface, mm.

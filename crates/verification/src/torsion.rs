@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{at, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -16,7 +16,7 @@ N = −2π ψ² ∫ r³ W′ dr, I₁ − 3 = ψ² r² (Rivlin 1949; Holzapfel 2
 volume unless they widen, which the held ends do not let the outermost ones do: the axial force converges from further away, and on \
 the coarsest mesh its error may have the other sign, so its sequence begins with the second mesh. \
 The axial force is an effect of second order, which the pressure carries to a good part: `tet10`, whose inf-sup constant falls like h \
-(ARCHITECTURE.md), reaches first order only, with errors of a quarter on meshes whose torque is right to 10⁻³.";
+(measurements.md), reaches first order only, with errors of a quarter on meshes whose torque is right to 10⁻³.";
 
 const RADIUS: f64 = 5.0;
 
@@ -100,7 +100,7 @@ fn torque_and_force(problem: &Problem, twist: f64) -> Result<[f64; 2], String> {
     let state = last(impose(problem, stages)?)?;
     let mut sums = [0.0; 2];
     for node in problem.mesh.select_nodes(|x| near(x[2], 1.0)) {
-        let (u, force) = (at(&state.displacement, node), at(&state.reaction, node));
+        let (u, force) = (state.displacement[node as usize], state.reaction[node as usize]);
         let [x, y]: [f64; 2] = std::array::from_fn(|k| problem.mesh.nodes[node as usize][k] + u[k]);
         sums[0] += x * force[1] - y * force[0];
         sums[1] += force[2];

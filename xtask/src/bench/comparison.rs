@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use pneuflex_model::{Case, Problem};
+use pneuflex::model::{Case, Problem};
 use serde::Serialize;
 
 use super::calculix::{deck, displacements};

@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn every_design_is_a_valid_case() {
         for design in latin_hypercube(200, 1) {
-            let case: pneuflex_model::Case = toml::from_str(&design.case()).unwrap();
+            let case: pneuflex::model::Case = toml::from_str(&design.case()).unwrap();
             case.validate().unwrap();
         }
     }

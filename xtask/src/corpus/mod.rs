@@ -204,7 +204,7 @@ fn try_case(program: &Path, folder: &Path, job: &Job, limit: Duration) -> Record
 /// Writes a case and lets the program solve it with one thread.
 fn run_case(program: &Path, stem: &Path, text: &str, limit: Duration) -> Result<Remains, String> {
     let words = |what: &str, e: std::io::Error| format!("{}: {what}: {e}", stem.display());
-    let case: pneuflex_model::Case = toml::from_str(text).map_err(|e| e.to_string())?;
+    let case: pneuflex::model::Case = toml::from_str(text).map_err(|e| e.to_string())?;
     let (file, out): (PathBuf, PathBuf) = (stem.with_extension("toml"), stem.to_owned());
     fs::write(&file, text).map_err(|e| words("case", e))?;
     let messages = stem.with_extension("log");

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
 
-use pneuflex_mesh::Mesh;
-use pneuflex_model::{Case, Problem};
+use pneuflex::mesh::Mesh;
+use pneuflex::model::{Case, Problem};
 use serde_json::Value;
 
 use crate::program;

@@ -1,9 +1,9 @@
 //! The figures: which of the paper's they stand for, and their drawings.
 
-use pneuflex_post::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
-use pneuflex_post::drawing::{Colour, Drawing};
-use pneuflex_post::picture::{self, Panel, View};
-use pneuflex_post::stress;
+use pneuflex::post::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
+use pneuflex::post::drawing::{Colour, Drawing};
+use pneuflex::post::picture::{self, Panel, View};
+use pneuflex::post::stress;
 
 use super::Outcome;
 use super::plan::{Body, Extent, Method, PICTURED, PRESSURES};
@@ -29,7 +29,7 @@ pub struct Figure {
 /// A drawn state: displacements and nodal von Mises stress.
 struct State<'a> {
     solution: &'a Solution,
-    displacement: Vec<f64>,
+    displacement: Vec<[f64; 3]>,
     von_mises: Vec<f64>,
 }
 

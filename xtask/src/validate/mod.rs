@@ -235,15 +235,16 @@ fn write(folder: &Path, figures: &[Figure], record: &Record, page: &str) -> Outc
     put("index.html", page.as_bytes())
 }
 
-/// README's figures and the committed record.
+/// README's figures, which the guide has, too, and the committed record.
 fn write_docs(folder: &Path, figures: &[Figure], record: &Record) -> Outcome<()> {
-    fs::create_dir_all(folder).map_err(|e| Failure::at(folder, e))?;
+    let pictures = folder.join("guide/src");
+    fs::create_dir_all(&pictures).map_err(|e| Failure::at(&pictures, e))?;
     for (name, file) in
         [("figure-06-07", "two_chamber.png"), ("figure-10-11", "actuator.png"), ("figure-15", "shapes.png")]
     {
         let figure = figures.iter().find(|f| f.name == name);
         let figure = figure.ok_or_else(|| Failure::new(format!("the figure {name} was not drawn")))?;
-        let path = folder.join(file);
+        let path = pictures.join(file);
         fs::write(&path, figure.drawing.to_png(1.0)?).map_err(|e| Failure::at(&path, e))?;
     }
     let path = folder.join("validation.json");

@@ -1,7 +1,7 @@
 //! Where the von Mises stress is highest, in words.
 
-use pneuflex_mesh::Actuator;
-use pneuflex_post::penetration;
+use pneuflex::mesh::Actuator;
+use pneuflex::post::penetration;
 
 use super::Outcome;
 use super::record::{Place, Places, on};

@@ -1,6 +1,6 @@
 //! How far the 50 kPa bending angle hangs on the lengths that are our own reading of the paper.
 
-use pneuflex_mesh::Actuator;
+use pneuflex::mesh::Actuator;
 
 use super::Outcome;
 use super::plan::{Body, Extent, Mesh, Method, REFINED, Run};

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pneuflex_model::{Case, Problem};
-use pneuflex_post::stress::{self, StressField};
-use pneuflex_post::vtu::Grid;
+use pneuflex::model::{Case, Problem};
+use pneuflex::post::stress::{self, StressField};
+use pneuflex::post::vtu::Grid;
 use serde::Deserialize;
 
 use super::plan::{Method, Run};
@@ -115,11 +115,11 @@ impl Solution {
         found.ok_or_else(|| Failure::at(&self.folder, format!("nothing was landed on at {pressure_kpa} kPa")))
     }
 
-    /// Displacements at a pressure, mm, three per node, from the field file.
+    /// Displacements at a pressure, mm, one entry per node, from the field file.
     ///
     /// # Errors
     /// A file that is missing, broken or of another mesh.
-    pub fn displacement(&self, pressure_kpa: f64) -> Outcome<Vec<f64>> {
+    pub fn displacement(&self, pressure_kpa: f64) -> Outcome<Vec<[f64; 3]>> {
         let number = self.steps.iter().take_while(|s| s.pressure_kpa != pressure_kpa).count() + 1;
         let path = self.folder.join(format!("fields/step_{number:02}.vtu"));
         let text = fs::read_to_string(&path).map_err(|e| Failure::at(&path, e))?;
@@ -128,7 +128,7 @@ impl Solution {
             return Err(Failure::at(&path, "does not belong to the case beside it"));
         }
         let values = grid.point_values("displacement").filter(|u| u.len() == self.problem.num_dofs());
-        values.map(<[f64]>::to_vec).ok_or_else(|| Failure::at(&path, "holds no displacement"))
+        values.map(|u| u.as_chunks().0.to_vec()).ok_or_else(|| Failure::at(&path, "holds no displacement"))
     }
 
     /// Stresses at a pressure, recovered from the displacements.

@@ -1,6 +1,6 @@
 //! The statements that are checked by numbers.
 
-use pneuflex_mesh::Actuator;
+use pneuflex::mesh::Actuator;
 
 use super::Outcome;
 use super::places::{Peaks, highest};
@@ -253,12 +253,12 @@ pub fn half_whole(extent: Extent, solutions: &Solutions) -> Outcome<Statement> {
         let [half, whole] = half_and_whole(body, mesh);
         let (half, whole) = (solutions.get(&half)?, solutions.get(&whole)?);
         let (u, v) = (half.displacement(PICTURED)?, whole.displacement(PICTURED)?);
-        let mut other = vec![f64::NAN; u.len()];
-        for (x, value) in half.problem.mesh.nodes.iter().zip(other.chunks_mut(3)) {
+        let mut other = vec![[f64::NAN; 3]; u.len()];
+        for (x, value) in half.problem.mesh.nodes.iter().zip(&mut other) {
             if let Some((node, distance)) = whole.problem.mesh.nearest_node(*x)
                 && distance < 1e-9
             {
-                value.copy_from_slice(&v[3 * node..3 * node + 3]);
+                *value = v[node];
             }
         }
         let on = on(body, mesh);
@@ -371,7 +371,8 @@ fn work_run(extent: Extent, body: Body, mesh: Mesh, method: Method) -> Run {
 }
 
 /// Largest difference relative to the largest value; NaN if one of them is.
-fn relative_difference(a: &[f64], b: &[f64]) -> f64 {
+fn relative_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let [a, b] = [a, b].map(<[[f64; 3]]>::as_flattened);
     let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let difference = a.iter().zip(b).map(|(x, y)| (x - y).abs());
     let worst = difference.fold(0.0_f64, |m, d| if d.is_nan() || m.is_nan() { f64::NAN } else { m.max(d) });
@@ -384,8 +385,8 @@ mod tests {
 
     #[test]
     fn a_missing_node_is_no_agreement() {
-        assert_eq!(relative_difference(&[1.0, -4.0], &[1.0, -3.0]), 0.25);
-        assert!(relative_difference(&[1.0, 2.0], &[f64::NAN, 2.0]).is_nan());
-        assert!(relative_difference(&[1.0, 2.0], &[1.0]).is_nan());
+        assert_eq!(relative_difference(&[[1.0, -4.0, 0.0]], &[[1.0, -3.0, 0.0]]), 0.25);
+        assert!(relative_difference(&[[1.0, 2.0, 0.0]], &[[f64::NAN, 2.0, 0.0]]).is_nan());
+        assert!(relative_difference(&[[1.0; 3], [2.0; 3]], &[[1.0; 3]]).is_nan());
     }
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use pneuflex_calibration::clean::{Cleaning, Cycles};
-use pneuflex_calibration::curve::{ColumnChoice, DecimalSign, ReadOptions, StrainMeasure, StressMeasure, StressUnit};
-use pneuflex_calibration::fit::{FitOptions, Residuals};
-use pneuflex_calibration::law::Mode;
+use pneuflex::calibration::clean::{Cleaning, Cycles};
+use pneuflex::calibration::curve::{ColumnChoice, DecimalSign, ReadOptions, StrainMeasure, StressMeasure, StressUnit};
+use pneuflex::calibration::fit::{FitOptions, Residuals};
+use pneuflex::calibration::law::Mode;
 
-use crate::error::InputError;
+use pneuflex::InputError;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -181,7 +181,7 @@ impl FitArguments {
                 None if value.contains(".csv:") => {
                     let message = format!("--{option} {value}: no file of this name is fitted");
                     return Err(
-                        InputError::new(message).help(Some("give the file's name as on the command line".into()))
+                        InputError::new(message).with_help(Some("give the file's name as on the command line".into()))
                     );
                 }
                 None => common = Some(value.clone()),

@@ -1,11 +1,11 @@
 //! Points and curves, one chart per test.
 
-use pneuflex_calibration::curve::Point;
-use pneuflex_calibration::fit::LawFit;
-use pneuflex_calibration::law::{Law, Mode};
-use pneuflex_post::PostError;
-use pneuflex_post::chart::{Chart, PALETTE, Series, Style};
-use pneuflex_post::drawing::{Colour, Drawing};
+use pneuflex::calibration::curve::Point;
+use pneuflex::calibration::fit::LawFit;
+use pneuflex::calibration::law::{Law, Mode};
+use pneuflex::post::PostError;
+use pneuflex::post::chart::{Chart, PALETTE, Series, Style};
+use pneuflex::post::drawing::{Colour, Drawing};
 
 use super::Prepared;
 

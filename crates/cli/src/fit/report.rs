@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use pneuflex_calibration::fit::{Agreement, LawFit, Residuals};
-use pneuflex_calibration::law::Mode;
-use pneuflex_calibration::stability::{SEARCHED, StableRange};
-use pneuflex_model::Material;
+use pneuflex::calibration::fit::{Agreement, LawFit, Residuals};
+use pneuflex::calibration::law::Mode;
+use pneuflex::calibration::stability::{SEARCHED, StableRange};
+use pneuflex::model::Material;
 use serde::Serialize;
 
 use super::Prepared;

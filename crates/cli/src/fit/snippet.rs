@@ -1,6 +1,6 @@
 //! The `[material]` table of a case file.
 
-use pneuflex_model::Law;
+use pneuflex::model::Law;
 
 /// Bulk modulus over initial shear modulus unless the user says otherwise: Poisson's ratio 0.4995. Silicones are stiffer in
 /// volume by far, but soft actuators do not notice, and the solver's penalty needs no more.

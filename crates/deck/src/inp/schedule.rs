@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_model::Curve;
+use pneuflex_model::{Curve, LoadParameter};
 
 use super::context::Context;
 use super::outline::{Item, Outline};
@@ -228,7 +228,7 @@ impl Amplitude {
     }
 
     fn at(&self, time: f64) -> f64 {
-        Curve::Table(self.points.clone()).at(time)
+        Curve::Table(self.points.clone()).at(LoadParameter(time))
     }
 
     /// Follows the amplitude times a factor through a step.
@@ -294,19 +294,19 @@ mod tests {
         let amplitude = |is_total| Amplitude { points: points.clone(), is_total, is_absolute: false };
         let times = times(vec![amplitude(false), amplitude(true)]);
         let of_step = times.curve(&[event(1, 10.0, Some(0))]);
-        assert_eq!([1.0, 1.5, 3.0, 9.0].map(|t| of_step.at(t)), [0.0, 30.0, 10.0, 10.0]);
+        assert_eq!([1.0, 1.5, 3.0, 9.0].map(|t| of_step.at(LoadParameter(t))), [0.0, 30.0, 10.0, 10.0]);
         let total = times.curve(&[event(0, 10.0, Some(1))]);
-        assert_eq!([0.0, 0.5, 2.0, 3.0].map(|t| total.at(t)), [0.0, 30.0, 10.0, 10.0]);
+        assert_eq!([0.0, 0.5, 2.0, 3.0].map(|t| total.at(LoadParameter(t))), [0.0, 30.0, 10.0, 10.0]);
         // In the second step a step's amplitude leaves the value where it was.
         let stays = times.curve(&[event(0, 10.0, Some(0))]);
-        assert_eq!(stays.at(3.0), stays.at(1.0));
+        assert_eq!(stays.at(LoadParameter(3.0)), stays.at(LoadParameter(1.0)));
     }
 
     #[test]
     fn jumps_are_spread_over_the_beginning_of_the_step() {
         let times = times(vec![Amplitude { points: vec![[0.0, 1.0]], is_total: false, is_absolute: false }]);
         let curve = times.curve(&[event(1, 5.0, Some(0))]);
-        assert_eq!([1.0, 1.002, 3.0].map(|t| curve.at(t)), [0.0, 5.0, 5.0]);
+        assert_eq!([1.0, 1.002, 3.0].map(|t| curve.at(LoadParameter(t))), [0.0, 5.0, 5.0]);
     }
 
     #[test]

@@ -1,122 +1,103 @@
-//! Load stepping (Fig. 3 of the paper, Steps 1–8) around Newton's method at one load, which is in `newton`.
+//! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
+//!
+//! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it.
 
 mod newton;
+mod predictor;
+mod step_control;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use pneuflex_assembly::Request;
 use pneuflex_factor::Parallelism;
-use pneuflex_model::{Clock, Problem, Solver};
+use pneuflex_model::{Clock, LoadParameter, Problem, Solver};
 
-use crate::checkpoint::{Approach, Checkpoint, Misfit};
-use crate::history::{Augmentation, Cause, Event, Failure, LandedState, PathReport, Stability, Timing};
-use crate::system::{AssembleError, SetupError, System, extent_of};
+use crate::checkpoint::{Approach, Checkpoint};
+use crate::contributions::CavityPressures;
+use crate::convergence::Scales;
+use crate::error::{ResumeError, SetupError};
+use crate::event::{Event, Observer};
+use crate::failure::{Cause, Failure, Stability};
+use crate::globalisation::Tuning;
+use crate::history::{Augmentation, ConvergedState};
+use crate::prescribed_motion::PrescribedMotion;
+use crate::stability;
+use crate::state::{Equilibrium, State};
+use crate::system::System;
+use crate::tangent_solver::Tangent;
+use crate::timing::{PathReport, Timing};
 
-/// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
-const AFTER_POLISHING: f64 = 0.25;
-
-/// An equilibrium, the start of the next step.
-#[derive(Clone, Debug)]
-struct State {
-    time: f64,
-    displacement: Vec<[f64; 3]>,
-    /// Unknowns beside the displacements.
-    border: Vec<f64>,
-    multipliers: Vec<f64>,
-    contact_points: usize,
-    /// Solved well enough to go on from, not to the tolerances asked for.
-    is_loose: bool,
-}
-
-/// Follows equilibria of one problem from rest.
-pub struct Path<'a> {
+/// Follows equilibria of one problem from rest. It owns everything it needs, and may be sent to another thread.
+pub struct Path {
     system: System,
-    settings: &'a Solver,
-    observer: &'a mut dyn FnMut(Event<'_>),
+    settings: Solver,
+    tuning: Tuning,
+    scales: Scales,
     begin: Instant,
-    state: State,
-    /// The factor belongs to the present state's tangent, so it predicts the next one.
-    has_factor: bool,
-    size: f64,
-    /// Stretching that is loose enough, see `newton::loose_stretch`.
-    loose_stretch: f64,
-    /// Residual that rounding leaves per mm of the body's extent, N/mm; see [`Path::rounding`].
-    rounding_per_mm: f64,
+    equilibrium: Equilibrium,
+    /// Tangent near the present equilibrium, which predicts the next one.
+    predictor: Option<Tangent>,
     step: usize,
     iterations: usize,
-    /// The way to the next requested pressure, if it has begun.
+    /// The way to the next requested position, if it has begun.
     approach: Option<Approach>,
     stability: Stability,
-    /// Moves the supports of a problem; `None` if they never move.
-    moving: Option<Problem>,
+    motion: PrescribedMotion,
+    pressures: CavityPressures,
     clock: Clock,
-    /// Largest stretching per time at the beginning.
+    /// Largest stretching per load parameter at the beginning.
     first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
-    stop: Option<&'a AtomicBool>,
-    /// Largest distance of contact points asked for at requested loads, mm.
+    stop: Option<Arc<AtomicBool>>,
+    /// Largest distance of contact points asked for at requested positions, mm.
     penetration_tolerance: Option<f64>,
     augmentation: Option<Augmentation>,
 }
 
 /// How well a load step is to be solved.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Target {
+pub(crate) enum Target {
     /// To the tolerance asked for.
     Requested,
-    /// Well enough to go on from.
+    /// Well enough to go on from (inexact Newton).
     OnTheWay,
 }
 
 /// An attempt that converged.
-struct Converged {
-    state: State,
-    iterations: usize,
+pub(crate) struct Converged {
+    pub(crate) equilibrium: Equilibrium,
+    /// Tangent near it.
+    pub(crate) predictor: Option<Tangent>,
+    pub(crate) iterations: usize,
 }
 
-impl<'a> Path<'a> {
+impl Path {
     /// Starts at rest.
     ///
     /// # Errors
     /// [`SetupError`] if the equations cannot be set up.
-    pub fn new(
-        problem: &Problem,
-        settings: &'a Solver,
-        observer: &'a mut dyn FnMut(Event<'_>),
-    ) -> Result<Self, SetupError> {
+    pub fn new(problem: &Problem, settings: &Solver) -> Result<Self, SetupError> {
         let begin = Instant::now();
         let system = System::new(problem, Parallelism::Threads)?;
         let n = problem.mesh.num_nodes();
-        let size = extent_of(&problem.mesh);
-        let state = State {
-            time: 0.0,
-            displacement: vec![[0.0; 3]; n],
-            border: vec![0.0; system.border_len()],
-            multipliers: vec![0.0; 3 * n],
-            contact_points: 0,
-            is_loose: false,
-        };
-        let element_size = (problem.mesh.volume() / problem.mesh.num_elements().max(1) as f64).cbrt();
-        let materials = problem.materials().0;
-        let bulk_modulus = materials.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
-        let rounding_per_mm = f64::EPSILON * bulk_modulus * element_size * (n as f64).sqrt();
+        let state = State::at_rest(n, system.num_bordered());
+        let tuning = Tuning::default();
         Ok(Self {
+            scales: Scales::of(problem, &tuning),
+            equilibrium: Equilibrium { state, multipliers: vec![0.0; 3 * n], contact_points: 0, is_inexact: false },
             system,
-            settings,
-            observer,
+            settings: settings.clone(),
+            tuning,
             begin,
-            state,
-            has_factor: false,
-            size,
-            loose_stretch: newton::loose_stretch(&materials),
-            rounding_per_mm,
+            predictor: None,
             step: 0,
             iterations: 0,
             approach: None,
             stability: Stability::default(),
-            moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()),
+            motion: PrescribedMotion::of(problem),
+            pressures: CavityPressures::of(problem)?,
             clock: problem.clock,
             first_rate: None,
             spent: Timing::default(),
@@ -131,15 +112,16 @@ impl<'a> Path<'a> {
     /// # Errors
     /// [`ResumeError`] if the checkpoint does not fit the problem; the path is still at rest then.
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), ResumeError> {
-        checkpoint.check(self.state.displacement.len(), self.system.num_contact_points(), self.state.border.len())?;
-        self.has_factor = checkpoint.linearisation.is_some();
-        self.system.set_contact_multipliers(checkpoint.contact_multipliers);
-        self.augmentation = checkpoint.augmentation;
-        if let Some(linearisation) = checkpoint.linearisation {
-            self.system.restore(linearisation)?;
+        let Equilibrium { state, .. } = &self.equilibrium;
+        checkpoint.check(state.displacement.len(), self.system.num_contact_points(), state.bordered.len())?;
+        self.system.set_contact_multipliers(&checkpoint.contact_multipliers);
+        if let Some(linearisation) = &checkpoint.linearisation {
+            self.predictor = Some(self.system.restore(linearisation)?);
         }
-        let Checkpoint { time, displacement, border, multipliers, contact_points, is_loose, .. } = checkpoint;
-        self.state = State { time, displacement, border, multipliers, contact_points, is_loose };
+        let Checkpoint { parameter, displacement, bordered, multipliers, contact_points, is_inexact, .. } = checkpoint;
+        let state = State::new(parameter, displacement, bordered);
+        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact };
+        self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
         self.first_rate = checkpoint.first_rate;
@@ -148,12 +130,12 @@ impl<'a> Path<'a> {
     }
 
     /// Lets the path end with [`Cause::Interrupted`] before the next iteration once `stop` is true.
-    pub fn stop_when(&mut self, stop: &'a AtomicBool) {
+    pub fn stop_when(&mut self, stop: Arc<AtomicBool>) {
         self.stop = Some(stop);
     }
 
-    fn check_stop(&self) -> Result<(), Cause> {
-        match self.stop {
+    pub(crate) fn check_stop(&self) -> Result<(), Cause> {
+        match &self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => Err(Cause::Interrupted),
             _ => Ok(()),
         }
@@ -176,9 +158,14 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Displacements of the present equilibrium, mm.
-    pub fn displacement(&self) -> &[[f64; 3]] {
-        &self.state.displacement
+    /// What the path has cost so far.
+    pub fn report(&self) -> PathReport {
+        PathReport { iterations: self.iterations, timing: self.timing() }
+    }
+
+    /// The present equilibrium.
+    pub fn equilibrium(&self) -> &Equilibrium {
+        &self.equilibrium
     }
 
     /// The system, e.g. for its energies.
@@ -186,258 +173,153 @@ impl<'a> Path<'a> {
         &mut self.system
     }
 
-    /// Steps from the present equilibrium to `time` and lands on it exactly.
+    /// [`Self::advance_to`], and tells the observer.
     ///
     /// # Errors
-    /// [`Failure`] when the step falls below its least size; the present equilibrium is then the last one reached.
-    pub fn advance_to(&mut self, time: f64) -> Result<LandedState, Failure> {
-        let step = match self.state.time > 0.0 {
-            true => self.settings.max_step,
-            false => self.settings.first_step.max(self.settings.min_step),
-        };
-        let fresh = Approach { step, load_steps: 0, iterations_before: self.iterations };
-        let mut approach = self.approach.take().unwrap_or(fresh);
-        approach.step = approach.step.min(self.settings.max_step);
-        while self.state.time < time {
-            let start = self.state.time;
-            // A last step that would leave a crumb takes it along.
-            let is_last = time - start <= 1.01 * approach.step;
-            let wanted = if is_last { time } else { start + approach.step };
-            self.step += 1;
-            let mut attempted = wanted;
-            let had_factor = self.has_factor;
-            match self.load_step(&mut attempted, time) {
-                Ok(converged) => {
-                    approach.load_steps += 1;
-                    if converged.iterations <= 8 {
-                        approach.step = (2.0 * (wanted - start)).min(self.settings.max_step);
-                    }
-                    self.state = converged.state;
-                    self.augmentation = None;
-                    if let Some(tolerance) = self.penetration_tolerance.filter(|_| attempted == time)
-                        && let Err(cause) = self.augment(tolerance)
-                    {
-                        return Err(self.failure(attempted, cause));
-                    }
-                    let checkpoint = self.checkpoint(approach);
-                    (self.observer)(Event::StepAccepted(&checkpoint));
-                }
-                Err(Cause::Interrupted) => return Err(self.failure(attempted, Cause::Interrupted)),
-                Err(cause) => {
-                    (self.observer)(Event::StepRejected { step: self.step, time: attempted, cause: &cause });
-                    self.has_factor = false;
-                    approach.step = 0.5 * (attempted - start);
-                    if self.state.is_loose {
-                        // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
-                        self.state.is_loose = false;
-                        self.confirm();
-                        let again = AFTER_POLISHING * (wanted - start);
-                        approach.step = approach.step.max(again).max(self.settings.min_step);
-                    }
-                    if had_factor {
-                        // The guess came from a tangent near the equilibrium; the one at the equilibrium gets its chance.
-                        approach.step = approach.step.max(self.settings.min_step);
-                    }
-                    if approach.step < self.settings.min_step {
-                        self.confirm();
-                        return Err(self.failure(attempted, cause));
-                    }
-                }
-            }
-        }
-        Ok(self.land(self.iterations - approach.iterations_before, approach.load_steps))
+    /// As there.
+    pub fn advance_and_tell(
+        &mut self,
+        parameter: impl Into<LoadParameter>,
+        observer: Observer<'_>,
+    ) -> Result<(), Failure> {
+        let converged = self.advance_to(parameter, observer)?;
+        observer(Event::Converged(&converged));
+        Ok(())
     }
 
-    fn failure(&self, attempted: f64, cause: Cause) -> Failure {
-        Failure { reached: self.state.time, attempted, cause, stability: self.stability, clock: self.clock }
+    /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present position.
+    ///
+    /// # Errors
+    /// The cause, if the step does not converge; there is no halving.
+    pub fn prescribe(
+        &mut self,
+        held_displacement: &[[f64; 3]],
+        observer: Observer<'_>,
+    ) -> Result<ConvergedState, Cause> {
+        let before = self.iterations;
+        self.step += 1;
+        let converged = self.solve_again(Some(held_displacement), observer)?;
+        self.adopt(converged);
+        if let Some(tolerance) = self.penetration_tolerance {
+            self.augment(tolerance, observer)?;
+        }
+        Ok(self.describe(self.iterations - before, 1))
+    }
+
+    /// Solves the present equilibrium to the tolerances once more, with a tangent of its own.
+    pub(crate) fn solve_again(
+        &mut self,
+        held: Option<&[[f64; 3]]>,
+        observer: Observer<'_>,
+    ) -> Result<Converged, Cause> {
+        self.forget_predictor();
+        let start = self.equilibrium.state.clone();
+        self.system.predict(&start.displacement, None);
+        self.newton(start, held, Target::Requested, observer)
+    }
+
+    /// An attempt becomes the present equilibrium.
+    pub(crate) fn adopt(&mut self, converged: Converged) {
+        self.forget_predictor();
+        self.equilibrium = converged.equilibrium;
+        self.predictor = converged.predictor;
+        self.system.commit();
+    }
+
+    fn forget_predictor(&mut self) {
+        self.system.recycle(self.predictor.take());
     }
 
     /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
     /// was left of the residual would speak of stability, too.
-    fn confirm(&mut self) {
-        if self.state.time <= 0.0 {
+    fn confirm(&mut self, observer: Observer<'_>) {
+        if self.equilibrium.state.parameter <= LoadParameter::default() {
             return;
         }
-        let u = self.state.displacement.clone();
-        self.system.carry_pressures(&u);
-        match self.newton(self.state.time, (u, self.state.border.clone()), None, Target::Requested) {
+        match self.solve_again(None, observer) {
             Ok(converged) => {
-                self.state = converged.state;
-                // An equilibrium whose tangent is singular is as unstable as can be told.
-                let softening = self.softening().unwrap_or(f64::INFINITY);
+                self.adopt(converged);
+                self.forget_predictor();
+                let Self { system, equilibrium, motion, settings, .. } = self;
+                let rate = stability::stretching_rate(system, &equilibrium.state, motion, settings.min_step);
+                let softening = match (rate, self.first_rate) {
+                    (Ok(rate), Some(first)) => rate / first,
+                    (Ok(_), None) => 1.0,
+                    // An equilibrium whose tangent is singular is as unstable as can be told.
+                    (Err(_), _) => f64::INFINITY,
+                };
                 self.stability = Stability { softening, negative_pivots: 0 };
             }
             Err(Cause::IndefiniteTangent { negative_pivots }) => self.stability.negative_pivots = negative_pivots,
             // Nothing new is known.
             Err(_) => {}
         }
-        self.has_factor = false;
     }
 
-    /// [`Stability::softening`] of the present equilibrium.
-    fn softening(&mut self) -> Result<f64, Cause> {
-        let State { displacement: u, border, time, .. } = self.state.clone();
-        let change = (1e-3 * time).max(self.settings.min_step);
-        self.system.carry_pressures(&u);
-        self.system.assemble(&u, time, &border, Request::Tangent)?;
-        self.system.factorize()?;
-        let prescribed = self.prescribed(time + change, &u);
-        self.system.assemble(&u, time + change, &border, Request::Residual)?;
-        let correction = self.system.solve(prescribed.as_deref())?;
-        let rate = self.system.extent(&u, &correction.displacement).stretch / change;
-        Ok(self.first_rate.map_or(1.0, |first| rate / first))
-    }
-
-    /// [`Self::advance_to`], and tells the observer.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn land_on(&mut self, time: f64) -> Result<(), Failure> {
-        let landed = self.advance_to(time)?;
-        (self.observer)(Event::Landed(&landed));
-        Ok(())
+    fn failure(&self, attempted: LoadParameter, cause: Cause) -> Failure {
+        let reached = self.equilibrium.state.parameter;
+        Failure { reached, attempted, cause, stability: self.stability, clock: self.clock }
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let State { time, displacement, border, multipliers, contact_points, is_loose } = self.state.clone();
+        let Equilibrium { state, multipliers, contact_points, is_inexact } = self.equilibrium.clone();
         Checkpoint {
-            time,
-            displacement,
-            border,
+            parameter: state.parameter,
+            displacement: state.displacement,
+            bordered: state.bordered,
             multipliers,
             contact_points,
-            is_loose,
+            is_inexact,
             step: self.step,
             iterations: self.iterations,
             timing: self.timing(),
             approach,
             first_rate: self.first_rate,
-            linearisation: self.system.linearisation().filter(|_| self.has_factor).cloned(),
-            contact_multipliers: self.system.contact_multipliers().to_vec(),
+            linearisation: self.predictor.as_ref().map(|tangent| tangent.linearisation().clone()),
+            contact_multipliers: self.system.contact_multipliers(),
             augmentation: self.augmentation.clone(),
         }
     }
 
-    /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present time.
-    ///
-    /// # Errors
-    /// The cause, if the step does not converge; there is no halving.
-    pub fn impose(&mut self, held_displacement: &[[f64; 3]]) -> Result<LandedState, Cause> {
-        let before = self.iterations;
-        self.step += 1;
-        self.has_factor = false;
-        let start = (self.state.displacement.clone(), self.state.border.clone());
-        self.system.carry_pressures(&start.0);
-        let converged = self.newton(self.state.time, start, Some(held_displacement.to_vec()), Target::Requested)?;
-        self.state = converged.state;
-        if let Some(tolerance) = self.penetration_tolerance {
-            self.augment(tolerance)?;
-        }
-        Ok(self.land(self.iterations - before, 1))
-    }
-
-    fn land(&self, iterations: usize, load_steps: usize) -> LandedState {
-        LandedState {
-            time: self.state.time,
-            displacement: self.state.displacement.as_flattened().to_vec(),
-            reaction: self.state.multipliers.iter().map(|lambda| -lambda).collect(),
+    /// The present equilibrium as data.
+    fn describe(&self, iterations: usize, load_steps: usize) -> ConvergedState {
+        let Equilibrium { state, multipliers, contact_points, .. } = &self.equilibrium;
+        ConvergedState {
+            parameter: state.parameter,
+            displacement: state.displacement.clone(),
+            reaction: multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
             iterations,
             load_steps,
-            contact_points: self.state.contact_points,
-            cavity_pressures: self.system.cavity_pressures(self.state.time, &self.state.border),
-            contact_multipliers: self.system.contact_multipliers().to_vec(),
+            contact_points: *contact_points,
+            cavity_pressures: self.pressures.at(state),
+            contact_multipliers: self.system.contact_multipliers(),
             augmentation: self.augmentation.clone(),
         }
-    }
-
-    /// Solves the present equilibrium to the tolerances once more, with the contact's present multipliers.
-    pub(crate) fn solve_again(&mut self) -> Result<(), Cause> {
-        self.has_factor = false;
-        let start = (self.state.displacement.clone(), self.state.border.clone());
-        self.system.carry_pressures(&start.0);
-        self.state = self.newton(self.state.time, start, None, Target::Requested)?.state;
-        Ok(())
     }
 
     pub(crate) fn set_augmentation(&mut self, augmentation: Augmentation) {
         self.augmentation = Some(augmentation);
     }
-
-    /// Changes of displacement that the supports prescribe from a displacement to a time, mm; `None` if there are none.
-    fn prescribed(&self, time: f64, displacement: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
-        let target = self.moving.as_ref()?.held_displacement(time);
-        Some(difference(&target, displacement))
-    }
 }
 
-fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] - b[k])).collect()
-}
-
-fn add(sum: &mut [f64], change: &[f64]) {
-    for (value, delta) in sum.iter_mut().zip(change) {
-        *value += delta;
-    }
-}
-
-/// A path that cannot go on from a checkpoint.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ResumeError {
-    /// It belongs to another problem.
-    #[error(transparent)]
-    Misfit(#[from] Misfit),
-    /// Its tangent cannot be made again.
-    #[error("the checkpoint's tangent cannot be made again: {0}")]
-    Tangent(#[from] AssembleError),
-}
-
-impl From<AssembleError> for Cause {
-    fn from(error: AssembleError) -> Self {
-        match error {
-            AssembleError::Local(local) => local.into(),
-            AssembleError::Factor(factor) => factor.into(),
-            AssembleError::Contradiction => Self::SingularTangent(error.to_string()),
-        }
-    }
-}
-
-impl From<pneuflex_assembly::LocalError> for Cause {
-    fn from(e: pneuflex_assembly::LocalError) -> Self {
-        Self::Inversion { element: e.block, point: e.point, jacobian: e.jacobian }
-    }
-}
-
-impl From<pneuflex_factor::FactorError> for Cause {
-    fn from(error: pneuflex_factor::FactorError) -> Self {
-        Self::SingularTangent(error.to_string())
-    }
-}
-
-/// Follows the equilibrium path from rest through the given times (increasing), landing on each exactly.
+/// Follows the equilibrium path from rest through the given positions (increasing), each reached exactly.
 ///
 /// # Errors
 /// [`Failure`] when the load step falls below its least size, with what the run had cost; the observer has seen every
-/// state landed on before.
+/// converged state before.
 pub fn follow_path(
     problem: &Problem,
-    times: &[f64],
+    parameters: &[impl Into<LoadParameter> + Copy],
     settings: &Solver,
-    observer: &mut dyn FnMut(Event<'_>),
+    observer: Observer<'_>,
 ) -> Result<PathReport, Box<(Failure, PathReport)>> {
-    let mut path = match Path::new(problem, settings, observer) {
-        Ok(path) => path,
-        Err(error) => {
-            let cause = Cause::SingularTangent(error.to_string());
-            let attempted = times.first().copied().unwrap_or(0.0);
-            let (stability, clock) = (Stability::default(), problem.clock);
-            let failure = Failure { reached: 0.0, attempted, cause, stability, clock };
-            return Err(Box::new((failure, PathReport { iterations: 0, timing: Timing::default() })));
-        }
-    };
-    for &time in times {
-        if let Err(failure) = path.land_on(time) {
-            return Err(Box::new((failure, PathReport { iterations: path.iterations, timing: path.timing() })));
+    let first = parameters.first().map_or(LoadParameter::default(), |&first| first.into());
+    let mut path = Path::new(problem, settings)
+        .map_err(|error| Box::new((Failure::at_rest(problem.clock, first, error.into()), PathReport::default())))?;
+    for &parameter in parameters {
+        if let Err(failure) = path.advance_and_tell(parameter, observer) {
+            return Err(Box::new((failure, path.report())));
         }
     }
-    Ok(PathReport { iterations: path.iterations, timing: path.timing() })
+    Ok(path.report())
 }

@@ -1,18 +1,23 @@
-//! The ladder of design §2: element, contribution, global residual and tangent, one Newton step, load path.
+//! The ladder of theory §16: element, contribution, global residual and tangent, one Newton step, load path.
 //!
 //! The reference differentiates scalar energies automatically and solves the dense KKT system; nothing but the mesh and the
 //! problem's data is shared.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
-use pneuflex_assembly::{Assembler, Contact, LocalBlock, LocalContribution, Pressure, Request, Solid, Totals};
-use pneuflex_contact::ContactModel;
+use pneuflex_assembly::{
+    Assembler, ContactForces, Contribution, FollowerPressure, LocalBlock, LocalContribution, Mixed, Position,
+    Prediction, Request, Solid, Totals, Unilateral,
+};
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh};
 use pneuflex_model::{
-    ContactMethod, ContactPair, Formulation, Invariant, Law, MPA_PER_KPA, Material, Problem, Region, Volumetric,
+    ContactMethod, ContactPair, Formulation, Invariant, Law, LoadParameter, MPA_PER_KPA, Material, Pressure, Problem,
+    Region, Volumetric,
 };
-use pneuflex_newton::System;
+use pneuflex_newton::{State, System};
 use pneuflex_reference::{AirModel, Load, PathOptions, ReferenceSolver, SolidModel};
 
 use crate::fixtures::{
@@ -40,10 +45,6 @@ fn assembled(contributions: &[&dyn LocalContribution], u: &[[f64; 3]]) -> Deriva
         gradient: DVector::from_column_slice(totals.residual.as_flattened()),
         hessian: dense(assembler.pattern(), &totals.tangent),
     }
-}
-
-fn deformed(mesh: &Mesh, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    sum(&mesh.nodes, u)
 }
 
 /// A block's tangent, from the node pairs of its lower triangle.
@@ -101,7 +102,10 @@ fn elements() {
 
             for is_carried in [false, true] {
                 if is_carried {
-                    solid.update_pressures(&u, &correction);
+                    let prediction = Prediction { displacement: u.clone(), correction: Some(correction.clone()) };
+                    let mixed = solid.mixed().unwrap();
+                    mixed.predict(&Arc::new(prediction));
+                    mixed.linearise();
                 }
                 for element in 0..solid.num_blocks() {
                     let mut block = LocalBlock::default();
@@ -150,8 +154,8 @@ fn free_part(matrix: &DMatrix<f64>, problem: &Problem) -> DMatrix<f64> {
 fn pressure() {
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
         let problem = coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None);
-        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
-        pressure.pressure = 0.3;
+        let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
+        pressure.pressure = Pressure::from_mpa(0.3);
         let u = leaning(&problem);
         let reference = AirModel::new(&problem, RIM_AT_Y_0).unwrap();
         let volume = reference.volume(u.as_flattened());
@@ -181,6 +185,15 @@ fn two_blocks(formulation: Formulation, method: ContactMethod) -> Problem {
     problem
 }
 
+/// The contact of a problem at a displacement, with the tractions there in its tangent.
+fn touching_forces(problem: &Problem, u: &[[f64; 3]]) -> ContactForces {
+    let mut contact = ContactForces::of(problem);
+    contact.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None }));
+    let position = Position { parameter: LoadParameter::default(), displacement: u, bordered: &[] };
+    contact.set_position(position);
+    contact
+}
+
 #[test]
 fn contact() {
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
@@ -193,12 +206,11 @@ fn contact() {
                 [if x <= 1.0 { x + 0.1 + 0.1 * z } else { x + bulge }, y + 0.03 * z, z]
             });
             let u = sum(&pushed, &noise(n, 0.02, 4));
-            let model = ContactModel::of(&problem);
-            let contact = Contact::search(&model, deformed(&problem.mesh, &u));
+            let contact = touching_forces(&problem, &u);
             let reference = pneuflex_reference::ContactModel::new(&problem).unwrap();
             let points = reference.points(u.as_flattened());
             let active = points.iter().filter(|point| point.gap < 0.0).count();
-            assert!(active >= least && contact.num_points() == active, "{active}, {}", contact.num_points());
+            assert!(active >= least && contact.num_active() == active, "{active}, {}", contact.num_active());
             assert!(points.iter().all(|point| point.gap > -0.3));
 
             let found = assembled(&[&contact], &u);
@@ -225,13 +237,12 @@ fn global_residual_and_tangent() {
         let (u, p_kpa) = (leaning(&problem), 35.0);
         let p = p_kpa * MPA_PER_KPA;
         let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
-        let mut pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
-        pressure.pressure = p;
-        let model = ContactModel::of(&problem);
-        let contact = Contact::search(&model, deformed(&problem.mesh, &u));
+        let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
+        pressure.pressure = Pressure::from_mpa(p);
+        let contact = touching_forces(&problem, &u);
         let deepest =
-            contact.blocks.iter().flat_map(|block| &block.points).fold(0.0, |d: f64, point| d.max(-point.distance));
-        assert!(contact.num_points() >= 4 && (0.05..0.3).contains(&deepest), "{} {deepest}", contact.num_points());
+            contact.touching().iter().flat_map(|block| &block.points).fold(0.0, |d: f64, point| d.max(-point.distance));
+        assert!(contact.num_active() >= 4 && (0.05..0.3).contains(&deepest), "{} {deepest}", contact.num_active());
 
         let reference = ReferenceSolver::with_volume_weights(&problem, RIM_AT_Y_0).unwrap();
         let found = assembled(&[&solid, &pressure, &contact], &u);
@@ -246,10 +257,10 @@ fn global_residual_and_tangent() {
 
         // The same through the system that Newton's method works on.
         let mut system = System::new(&problem, Parallelism::Threads).unwrap();
-        system.carry_pressures(&u);
-        system.assemble(&u, p_kpa, &[], Request::Tangent).unwrap();
-        assert_eq!(system.contact_points(), contact.num_points());
-        let whole = difference(system.totals().residual.as_flattened(), found.gradient.as_slice());
+        system.predict(&u, None);
+        let (assembled, _) = system.tangent(&State::new(p_kpa, u, Vec::new())).unwrap();
+        assert_eq!(assembled.contact_points, contact.num_active());
+        let whole = difference(assembled.residual.as_flattened(), found.gradient.as_slice());
         assert!(whole < 1e-14, "{whole:.1e}");
     }
 }
@@ -281,8 +292,9 @@ fn one_newton_step() {
         let (u, p_kpa) = (leaning(&problem), 35.0);
         let n = problem.mesh.num_nodes();
         let mut system = System::new(&problem, Parallelism::Threads).unwrap();
-        system.carry_pressures(&u);
-        system.assemble(&u, p_kpa, &[], Request::Residual).unwrap();
+        system.predict(&u, None);
+        let state = State::new(p_kpa, u.clone(), Vec::new());
+        system.residual(&state).unwrap();
         // A correction that leaves the gap's walls alone, so that contact tractions are carried over as they are.
         let mut earlier = noise(n, 1e-3, 5);
         for pair in &problem.contact_pairs {
@@ -292,7 +304,7 @@ fn one_newton_step() {
                 }
             }
         }
-        system.carry(&u, &earlier);
+        system.predict(&u, Some(&earlier));
         let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
         let carried = solid.element_pressures(&u, Some(&earlier));
         assert!(difference(&carried, &solid.element_pressures(&u, None)) > 1e-3);
@@ -307,11 +319,10 @@ fn one_newton_step() {
             }
         }
         for prescribed in [None, Some(moved)] {
-            system.assemble(&u, p_kpa, &[], Request::Tangent).unwrap();
-            assert!(system.contact_points() >= 4);
-            system.factorize().unwrap();
-            let correction = system.solve(prescribed.as_deref()).unwrap();
-            let updated = system.multipliers(&correction).unwrap();
+            let (assembled, tangent) = system.tangent(&state).unwrap();
+            assert!(assembled.contact_points >= 4);
+            let correction = system.solve(&tangent, &assembled, prescribed.as_deref()).unwrap();
+            let updated = system.multipliers(&tangent, &assembled, &correction).unwrap();
 
             let load = Load {
                 pressure_kpa: p_kpa,
@@ -350,7 +361,7 @@ fn check_path(formulation: Formulation, invariant: Invariant, method: ContactMet
     for (found, expected) in found.iter().zip(&expected) {
         let active = touching(&reference, expected);
         assert_eq!(found.contact_points, active, "{name}");
-        assert_eq!(active > 0, method != ContactMethod::None && found.time > 5.0, "{name}: {active}");
+        assert_eq!(active > 0, method != ContactMethod::None && found.parameter.0 > 5.0, "{name}: {active}");
     }
     assert_same_states(&name, &found, &expected);
 }
@@ -451,11 +462,11 @@ fn reference_volume_by_thirds_adds_forces_on_the_rim_only() {
     let by_thirds = ReferenceSolver::new(&problem).unwrap();
     let state = by_thirds.follow_path(&[20.0], &PathOptions::default()).unwrap().remove(0);
     let landed = follow(&problem, &[20.0], &strict()).remove(0);
-    assert!(difference(&landed.displacement, &state.displacement) < 1e-8);
+    assert!(difference(landed.displacement.as_flattened(), &state.displacement) < 1e-8);
     let reaction = state.reaction();
     let largest = reaction.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let mut different = 0;
-    for (dof, (found, by_thirds)) in landed.reaction.iter().zip(&reaction).enumerate() {
+    for (dof, (found, by_thirds)) in landed.reaction.as_flattened().iter().zip(&reaction).enumerate() {
         let is_same = (found - by_thirds).abs() < 1e-6 * largest;
         assert!(is_same || across_rim[dof], "degree of freedom {dof}: {found} {by_thirds}");
         different += usize::from(!is_same);

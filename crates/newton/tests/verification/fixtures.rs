@@ -1,10 +1,10 @@
 //! Problems, paths and comparisons that the tests share.
 
 use nalgebra::DMatrix;
-use pneuflex_factor::BlockPattern;
+use pneuflex_factor::{BlockPattern, Parallelism};
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, Problem, Solver};
-use pneuflex_newton::{Event, LandedState, follow_path};
+use pneuflex_newton::{ConvergedState, Event, State, System, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
@@ -66,14 +66,17 @@ pub fn sum(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|k| a[k] + b[k])).collect()
 }
 
-/// Three entries per node.
-pub fn nodal(flat: &[f64]) -> Vec<[f64; 3]> {
-    flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
+/// Energies of the solid and of the contact's penalty at a displacement without loads, mJ.
+pub fn energies(problem: &Problem, displacement: &[[f64; 3]]) -> [f64; 2] {
+    let mut system = System::new(problem, Parallelism::Threads).unwrap();
+    let state = State { displacement: displacement.to_vec(), ..State::at_rest(0, system.num_bordered()) };
+    let all = system.energies(&state).unwrap();
+    ["solid", "contact"].map(|name| all.iter().filter(|(of, _)| *of == name).map(|(_, energy)| energy).sum())
 }
 
 /// Sum over all nodes.
-pub fn resultant(flat: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|axis| flat.iter().skip(axis).step_by(3).sum())
+pub fn resultant(field: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|axis| field.iter().map(|value| value[axis]).sum())
 }
 
 /// Largest difference relative to the largest entry of `expected`.
@@ -126,10 +129,10 @@ pub fn strict() -> Solver {
 
 /// The landed states of the production path.
 #[track_caller]
-pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<LandedState> {
+pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<ConvergedState> {
     let mut landed = Vec::new();
     let result = follow_path(problem, pressures_kpa, settings, &mut |event| {
-        if let Event::Landed(state) = event {
+        if let Event::Converged(state) = event {
             landed.push(state.clone());
         }
     });
@@ -150,14 +153,14 @@ pub fn follow_reference(problem: &Problem, pressures_kpa: &[f64]) -> (ReferenceS
 
 /// Requires displacements to 1e-8 and reactions to 1e-6 relative.
 #[track_caller]
-pub fn assert_same_states(name: &str, found: &[LandedState], expected: &[ReferenceState]) {
+pub fn assert_same_states(name: &str, found: &[ConvergedState], expected: &[ReferenceState]) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {
-        assert_eq!(found.time, expected.pressure_kpa);
-        let u = difference(&found.displacement, &expected.displacement);
-        let reaction = difference(&found.reaction, &expected.reaction());
-        println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.time);
-        assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.time);
+        assert_eq!(found.parameter.0, expected.pressure_kpa);
+        let u = difference(found.displacement.as_flattened(), &expected.displacement);
+        let reaction = difference(found.reaction.as_flattened(), &expected.reaction());
+        println!("{name}, {} kPa: displacement {u:.1e}, reaction {reaction:.1e}", found.parameter);
+        assert!(u < 1e-8 && reaction < 1e-6, "{name}, {} kPa: {u:.1e}, {reaction:.1e}", found.parameter);
     }
 }
 

@@ -1,13 +1,13 @@
 //! Loads as functions of time: homogeneous states whose stretches and forces are known.
 
-use pneuflex_assembly::dead::traction_forces;
+use pneuflex_assembly::conservative_load::traction_forces;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::load::Load;
 use pneuflex_model::{
     Clock, Contact, ContactPair, Curve, Formulation, Law, LinearEquation, Material, Motion, Problem, Solver, Support,
 };
-use pneuflex_newton::LandedState;
+use pneuflex_newton::ConvergedState;
 
 use crate::fixtures::{follow, resultant};
 
@@ -39,9 +39,9 @@ fn end_faces(mesh: &Mesh) -> Vec<Facet> {
 }
 
 /// Largest displacement along x at the loaded end, mm.
-fn elongation(problem: &Problem, state: &LandedState) -> f64 {
+fn elongation(problem: &Problem, state: &ConvergedState) -> f64 {
     let (node, _) = problem.mesh.nearest_node(SIDES).unwrap();
-    state.displacement[3 * node]
+    state.displacement[node][0]
 }
 
 /// Nominal uniaxial stress of the incompressible material, MPa: 2 (λ − λ⁻²) W′(I₁ − 3).
@@ -66,7 +66,7 @@ fn a_moved_support_stretches_a_block() {
         let states = follow(&problem, &[1.0, 2.0], &settings());
         for (state, stretch) in states.iter().zip([1.5, 1.25]) {
             assert!((elongation(&problem, state) - (stretch - 1.0) * SIDES[0]).abs() < 1e-12);
-            let pull: f64 = problem.supports[3].nodes.iter().map(|&node| state.reaction[3 * node as usize]).sum();
+            let pull: f64 = problem.supports[3].nodes.iter().map(|&node| state.reaction[node as usize][0]).sum();
             let expected = nominal(&problem.material, stretch) * SIDES[1] * SIDES[2];
             assert!((pull / expected - 1.0).abs() < 1e-3, "{formulation}: {pull} N for {expected} N");
         }
@@ -136,7 +136,7 @@ fn suction_on_a_free_end_stretches_a_slender_bar() {
             if 3.8 * (middle * middle - 1.0 / middle) < SUCTION { low = middle } else { high = middle }
         }
         let (node, _) = problem.mesh.nearest_node([8.0, 1.0, 1.0]).unwrap();
-        let stretch = 1.0 + state.displacement[3 * node] / 8.0;
+        let stretch = 1.0 + state.displacement[node][0] / 8.0;
         assert!((stretch - low).abs() < 1e-4, "{formulation:?}: {stretch} {low}");
         assert!(state.iterations <= 16, "{formulation:?}: {} iterations", state.iterations);
     }
@@ -159,7 +159,7 @@ fn weight_hangs_on_its_support() {
         let young = 9.0 * kappa * mu / (3.0 * kappa + mu);
         let expected = specific_weight * SIDES[0] * SIDES[0] / (2.0 * young);
         let shares = traction_forces(&problem.mesh, &end_faces(&problem.mesh), [1.0, 0.0, 0.0]);
-        let moment: f64 = shares.iter().zip(state.displacement.chunks_exact(3)).map(|(share, u)| share[0] * u[0]).sum();
+        let moment: f64 = shares.iter().zip(&state.displacement).map(|(share, u)| share[0] * u[0]).sum();
         let found = moment / (SIDES[1] * SIDES[2]);
         assert!((found / expected - 1.0).abs() < 2e-3, "{formulation}: {found} for {expected}");
     }
@@ -182,7 +182,7 @@ fn equations_tie_a_face_to_one_of_its_nodes() {
         problem.loads.push(Load::Force { nodes: vec![*leader], force: [force, 0.0, 0.0], curve });
         let state = follow(&problem, &[1.0], &settings()).remove(0);
         for &node in &face {
-            let strain = state.displacement[3 * node as usize] / SIDES[0];
+            let strain = state.displacement[node as usize][0] / SIDES[0];
             assert!((strain - 0.5).abs() < 1e-3, "{formulation}: {strain}");
         }
     }
@@ -198,7 +198,7 @@ fn equations_prescribe_means() {
     problem.equations.push(LinearEquation { terms, value: Curve::Proportional(0.4) });
     let states = follow(&problem, &[0.5, 1.0], &settings());
     for (state, expected) in states.iter().zip([0.2, 0.4]) {
-        let mean: f64 = face.iter().map(|&node| share * state.displacement[3 * node as usize]).sum();
+        let mean: f64 = face.iter().map(|&node| share * state.displacement[node as usize][0]).sum();
         assert!((mean - expected).abs() < 1e-9, "{mean}");
         let [x, ..] = resultant(&state.reaction);
         assert!(x < -0.01, "the equation pulls: {x}");
@@ -235,7 +235,7 @@ fn a_block_rests_on_another() {
         let at = |z: f64, first: u32| {
             let is_it = |n: &u32| *n >= first && problem.mesh.nodes[*n as usize] == [0.0, 0.0, z];
             let node = (0..problem.mesh.num_nodes() as u32).find(is_it).unwrap() as usize;
-            z + state.displacement[3 * node + 2]
+            z + state.displacement[node][2]
         };
         let depth = at(1.0, 0) - at(1.0, nodes);
         assert!((depth * stiffness / pressure - 1.0).abs() < 0.05, "{formulation}: {depth} mm");

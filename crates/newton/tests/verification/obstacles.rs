@@ -6,9 +6,9 @@ use pneuflex_model::{
     Clock, ContactMethod, Curve, Formulation, Invariant, Law, Material, Motion, Obstacle, Problem, Shape, Solver,
     Support,
 };
-use pneuflex_newton::{LandedState, Path};
+use pneuflex_newton::{ConvergedState, Path};
 
-use crate::fixtures::{coarse_chambers, difference, follow, nodal, sum};
+use crate::fixtures::{coarse_chambers, difference, follow, sum};
 
 const SIDES: [f64; 3] = [2.0, 2.0, 1.0];
 const STIFFNESS: f64 = 20.0;
@@ -50,13 +50,13 @@ fn nominal(material: &Material, stretch: f64) -> f64 {
 }
 
 /// Depths of all touching points at the end, mm, and the force that carries the block, N.
-fn depths_and_force(problem: &Problem, state: &LandedState) -> (Vec<f64>, f64) {
+fn depths_and_force(problem: &Problem, state: &ConvergedState) -> (Vec<f64>, f64) {
     let mut model = ContactModel::of(problem);
-    model.set_time(state.time);
+    model.set_parameter(state.parameter);
     model.set_multipliers(state.contact_multipliers.clone());
-    let positions = sum(&problem.mesh.nodes, &nodal(&state.displacement));
+    let positions = sum(&problem.mesh.nodes, &state.displacement);
     let depths = model.search(&positions).iter().flat_map(|b| &b.points).map(|p| -p.distance).collect();
-    let force = problem.supports[2].nodes.iter().map(|&node| state.reaction[3 * node as usize + 2]).sum();
+    let force = problem.supports[2].nodes.iter().map(|&node| state.reaction[node as usize][2]).sum();
     (depths, force)
 }
 
@@ -98,8 +98,8 @@ fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
     let plain = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint);
     let mut problem = plain.clone();
     problem.contact.penetration_tolerance = Some(1e-3);
-    let deepest = |problem: &Problem, state: &LandedState| {
-        let positions = sum(&problem.mesh.nodes, &nodal(&state.displacement));
+    let deepest = |problem: &Problem, state: &ConvergedState| {
+        let positions = sum(&problem.mesh.nodes, &state.displacement);
         let blocks = ContactModel::of(problem).search(&positions);
         blocks.iter().flat_map(|b| &b.points).fold(0.0, |d: f64, p| d.max(-p.distance))
     };
@@ -114,23 +114,23 @@ fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
             checkpoints.push(checkpoint.clone());
         }
     };
-    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
-    let expected = pressures.map(|pressure| path.advance_to(pressure).unwrap());
+    let mut path = Path::new(&problem, &settings).unwrap();
+    let expected = pressures.map(|pressure| path.advance_to(pressure, &mut observer).unwrap());
     for state in &expected[1..] {
         let augmentation = state.augmentation.as_ref().unwrap();
-        println!("{} kPa: {augmentation:?}", state.time);
+        println!("{} kPa: {augmentation:?}", state.parameter);
         assert!(augmentation.failure.is_none() && augmentation.count > 0);
         assert!(deepest(&problem, state) <= 1e-3);
     }
-    assert!(checkpoints.iter().any(|c| !pressures.contains(&c.time) && !c.contact_multipliers.is_empty()));
+    assert!(checkpoints.iter().any(|c| !pressures.contains(&c.parameter.0) && !c.contact_multipliers.is_empty()));
     for checkpoint in checkpoints {
-        let from = checkpoint.time;
+        let from = checkpoint.parameter.0;
         let mut observer = |_: pneuflex_newton::Event<'_>| ();
-        let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+        let mut path = Path::new(&problem, &settings).unwrap();
         path.resume(checkpoint).unwrap();
         for (pressure, expected) in pressures.iter().zip(&expected).filter(|(pressure, _)| **pressure >= from) {
-            let found = path.advance_to(*pressure).unwrap();
-            let u = difference(&found.displacement, &expected.displacement);
+            let found = path.advance_to(*pressure, &mut observer).unwrap();
+            let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
             assert!(u < 1e-10, "from {from} to {pressure} kPa: {u:.1e}");
             let [found, expected] = [&found, expected].map(|state| state.augmentation.as_ref().unwrap());
             assert_eq!((found.count, &found.failure), (expected.count, &expected.failure));

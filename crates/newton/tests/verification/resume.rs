@@ -1,9 +1,10 @@
 //! A path that goes on from a checkpoint is the path that never ended.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pneuflex_model::{Clock, ContactMethod, Control, Curve, Formulation, Invariant, Problem, Solver};
-use pneuflex_newton::{Cause, Checkpoint, Event, LandedState, Path, ResumeError};
+use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Event, Path, ResumeError};
 
 use crate::fixtures::{coarse_chambers, difference};
 
@@ -18,21 +19,21 @@ fn problem() -> Problem {
     coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint)
 }
 
-fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<LandedState>) {
+fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<ConvergedState>) {
     let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
-    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.time);
+    let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.parameter.0);
     let settings = settings();
     let mut observer = |event: Event<'_>| {
         if let Event::StepAccepted(checkpoint) = event {
             checkpoints.push(checkpoint.clone());
         }
     };
-    let mut path = Path::new(problem, &settings, &mut observer).unwrap();
+    let mut path = Path::new(problem, &settings).unwrap();
     if let Some(checkpoint) = checkpoint {
         path.resume(checkpoint).unwrap();
     }
     for pressure in PRESSURES_KPA.into_iter().filter(|pressure| *pressure >= from) {
-        landed.push(path.advance_to(pressure).unwrap());
+        landed.push(path.advance_to(pressure, &mut observer).unwrap());
     }
     (checkpoints, landed)
 }
@@ -41,17 +42,17 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
 fn every_checkpoint_leads_to_the_same_end() {
     let problem = problem();
     let (checkpoints, expected) = follow_from(&problem, None);
-    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.time)).count();
+    let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.parameter.0)).count();
     assert!(between > 3 && expected.last().unwrap().contact_points > 0);
     assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
     for checkpoint in checkpoints {
-        let at = checkpoint.time;
+        let at = checkpoint.parameter.0;
         let (_, landed) = follow_from(&problem, Some(checkpoint));
         let expected = &expected[expected.len() - landed.len()..];
         for (found, expected) in landed.iter().zip(expected) {
-            let u = difference(&found.displacement, &expected.displacement);
-            let reaction = difference(&found.reaction, &expected.reaction);
-            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.time);
+            let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
+            let reaction = difference(found.reaction.as_flattened(), expected.reaction.as_flattened());
+            println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.parameter);
             assert!(u < 1e-10 && reaction < 1e-10, "from {at} kPa: {u:.1e}, {reaction:.1e}");
             assert_eq!((found.iterations, found.load_steps), (expected.iterations, expected.load_steps));
         }
@@ -72,20 +73,24 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
                 checkpoints.push(checkpoint.clone());
             }
         };
-        let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+        let mut path = Path::new(&problem, &settings).unwrap();
         if let Some(checkpoint) = checkpoint {
             path.resume(checkpoint).unwrap();
         }
-        let landed = path.advance_to(1.0).unwrap();
+        let landed = path.advance_to(1.0, &mut observer).unwrap();
         (landed, checkpoints)
     };
     let (expected, checkpoints) = follow(None);
-    assert!(expected.cavity_pressures[0] > 0.005 && expected.contact_points > 0, "{:?}", expected.cavity_pressures);
-    assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.border.len() == 1));
+    assert!(
+        expected.cavity_pressures[0].mpa() > 0.005 && expected.contact_points > 0,
+        "{:?}",
+        expected.cavity_pressures
+    );
+    assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.bordered.len() == 1));
     for checkpoint in checkpoints {
         let (landed, _) = follow(Some(checkpoint));
-        let u = difference(&landed.displacement, &expected.displacement);
-        let pressure = landed.cavity_pressures[0] / expected.cavity_pressures[0] - 1.0;
+        let u = difference(landed.displacement.as_flattened(), expected.displacement.as_flattened());
+        let pressure = landed.cavity_pressures[0].mpa() / expected.cavity_pressures[0].mpa() - 1.0;
         assert!(u < 1e-10 && pressure.abs() < 1e-10, "{u:.1e}, {pressure:.1e}");
     }
 }
@@ -95,25 +100,25 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
     let problem = problem();
     let settings = settings();
     let (_, expected) = follow_from(&problem, None);
-    let stop = AtomicBool::new(false);
+    let stop = Arc::new(AtomicBool::new(false));
     let (mut iterations, mut last) = (0, None);
     let mut observer = |event: Event<'_>| match event {
         Event::StepAccepted(checkpoint) => last = Some(checkpoint.clone()),
         Event::Iteration(record) => {
             iterations += 1;
             // In the middle of a step on the way to the second pressure.
-            stop.store(record.time > 10.0, Ordering::Relaxed);
+            stop.store(record.parameter.0 > 10.0, Ordering::Relaxed);
         }
         Event::StepRejected { cause, .. } => panic!("{cause}"),
         _ => (),
     };
-    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
-    path.stop_when(&stop);
-    path.advance_to(5.0).unwrap();
-    let failure = path.advance_to(25.0).unwrap_err();
+    let mut path = Path::new(&problem, &settings).unwrap();
+    path.stop_when(Arc::clone(&stop));
+    path.advance_to(5.0, &mut observer).unwrap();
+    let failure = path.advance_to(25.0, &mut observer).unwrap_err();
     assert_eq!(failure.cause, Cause::Interrupted);
     let (_, landed) = follow_from(&problem, last);
-    assert!(difference(&landed[0].displacement, &expected[1].displacement) < 1e-10);
+    assert!(difference(landed[0].displacement.as_flattened(), expected[1].displacement.as_flattened()) < 1e-10);
 }
 
 #[test]
@@ -121,8 +126,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
     let problem = problem();
     let (checkpoints, _) = follow_from(&problem, None);
     let settings = settings();
-    let mut observer = |_: Event<'_>| ();
-    let mut path = Path::new(&problem, &settings, &mut observer).unwrap();
+    let mut path = Path::new(&problem, &settings).unwrap();
     let mut short = checkpoints[0].clone();
     short.displacement.pop();
     assert!(matches!(path.resume(short).unwrap_err(), ResumeError::Misfit(_)));

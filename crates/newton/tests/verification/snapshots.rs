@@ -6,17 +6,16 @@
 use insta::Settings;
 use insta::Snapshot;
 use insta::comparator::Comparator;
-use pneuflex_assembly::Pressure;
-use pneuflex_factor::Parallelism;
+use pneuflex_assembly::FollowerPressure;
 use pneuflex_mesh::Actuator;
 use pneuflex_model::{Case, ContactMethod, Formulation, Invariant, Problem};
-use pneuflex_newton::{LandedState, System};
+use pneuflex_newton::ConvergedState;
 use pneuflex_reference::{ReferenceSolver, ReferenceState};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::fixtures::{
-    actuator_problem, coarse_chambers, difference, follow, follow_reference, nodal, resultant, strict, touching,
+    actuator_problem, coarse_chambers, difference, energies, follow, follow_reference, resultant, strict, touching,
 };
 
 /// Digits kept in snapshots, and the size below which a number (mm, N, mJ) counts as zero.
@@ -70,8 +69,8 @@ fn rounded(x: f64) -> Value {
 /// One state, as both paths describe it.
 struct State<'a> {
     pressure_kpa: f64,
-    displacement: &'a [f64],
-    reaction: &'a [f64],
+    displacement: &'a [[f64; 3]],
+    reaction: &'a [[f64; 3]],
     contact_points: usize,
     /// Of the solid and of the contact's penalty, mJ.
     energies: [f64; 2],
@@ -84,12 +83,10 @@ impl State<'_> {
         let length = problem.mesh.nodes.iter().fold(0.0_f64, |length, x| length.max(x[0]));
         let (tip, _) = problem.mesh.nearest_node([length, 0.0, 0.0]).unwrap();
         let clamp = &problem.supports[0].nodes;
-        let at = |values: &[f64], node: usize| -> [f64; 3] { std::array::from_fn(|k| values[3 * node + k]) };
-        let clamp_reaction =
-            std::array::from_fn(|k| clamp.iter().map(|&node| at(self.reaction, node as usize)[k]).sum());
+        let clamp_reaction = std::array::from_fn(|k| clamp.iter().map(|&node| self.reaction[node as usize][k]).sum());
         json!({
             "pressure_kpa": self.pressure_kpa,
-            "tip_displacement": list(at(self.displacement, tip)),
+            "tip_displacement": list(self.displacement[tip]),
             "clamp_reaction": list(clamp_reaction),
             "total_reaction": list(resultant(self.reaction)),
             "contact_points": self.contact_points,
@@ -99,18 +96,17 @@ impl State<'_> {
     }
 }
 
-fn production_json(problem: &Problem, states: &[LandedState]) -> Value {
-    let mut system = System::new(problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+fn production_json(problem: &Problem, states: &[ConvergedState]) -> Value {
+    let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     let described = states.iter().map(|state| {
-        let u = nodal(&state.displacement);
+        let u = &state.displacement;
         State {
-            pressure_kpa: state.time,
+            pressure_kpa: state.parameter.0,
             displacement: &state.displacement,
             reaction: &state.reaction,
             contact_points: state.contact_points,
-            energies: system.energies(&u).unwrap(),
-            cavity_volume: pressure.volume(&u),
+            energies: energies(problem, u),
+            cavity_volume: pressure.volume(u),
         }
         .to_json(problem)
     });
@@ -122,8 +118,8 @@ fn reference_json(problem: &Problem, solver: &ReferenceSolver, states: &[Referen
         let u = &state.displacement;
         State {
             pressure_kpa: state.pressure_kpa,
-            displacement: u,
-            reaction: &state.reaction(),
+            displacement: u.as_chunks().0,
+            reaction: state.reaction().as_chunks().0,
             contact_points: touching(solver, state),
             energies: [solver.solid().energy(u), solver.contact().energy(u)],
             cavity_volume: solver.air().volume(u),
@@ -205,21 +201,21 @@ fn check_stored(name: &str, text: &str, touches: bool) {
     assert!((3000..4000).contains(&problem.num_unknowns()));
     let held = problem.held_dofs();
     let found = follow(&problem, &run.case.load.pressure_kpa, &strict());
-    let mut system = System::new(&problem, Parallelism::Threads).unwrap();
-    let pressure = Pressure::new(&problem.mesh, &problem.cavity_facets());
+    let pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
     assert_eq!(found.len(), run.states.len());
     for (found, stored) in found.iter().zip(&run.states) {
         let kpa = stored.pressure_kpa;
-        assert_eq!((found.time, found.contact_points), (kpa, stored.contact_points));
-        let u = difference(&found.displacement, &stored.displacement);
-        let at_held: Vec<f64> = found.reaction.iter().zip(&held).filter(|(_, held)| **held).map(|(r, _)| *r).collect();
+        assert_eq!((found.parameter.0, found.contact_points), (kpa, stored.contact_points));
+        let u = difference(found.displacement.as_flattened(), &stored.displacement);
+        let at_held: Vec<f64> =
+            found.reaction.as_flattened().iter().zip(&held).filter(|(_, held)| **held).map(|(r, _)| *r).collect();
         let reaction = difference(&at_held, &stored.held_reaction);
         println!("{name}, {kpa} kPa: displacement {u:.1e}, reaction {reaction:.1e}");
         assert!(u < 1e-8 && reaction < 1e-6, "{name}, {kpa} kPa: {u:.1e}, {reaction:.1e}");
-        let u = nodal(&found.displacement);
-        let energies = system.energies(&u).unwrap();
+        let u = &found.displacement;
+        let energies = energies(&problem, u);
         let of_energies = difference(&energies, &[stored.energy.solid, stored.energy.contact]);
-        let volume = pressure.volume(&u) / stored.cavity_volume - 1.0;
+        let volume = pressure.volume(u) / stored.cavity_volume - 1.0;
         assert!(of_energies < 1e-8 && volume.abs() < 1e-8, "{name}, {kpa} kPa: {of_energies:.1e}, {volume:.1e}");
     }
     assert_eq!(found.last().unwrap().contact_points > 0, touches);

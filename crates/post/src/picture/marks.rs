@@ -25,7 +25,7 @@ pub struct Nearest {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn nearest(problem: &Problem, displacement: &[f64]) -> Result<Vec<Nearest>, PostError> {
+pub fn nearest(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<Nearest>, PostError> {
     let samples = sample(problem, displacement, f64::INFINITY)?;
     let least = |found: Vec<Sample>| found.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
     Ok(samples
@@ -36,7 +36,11 @@ pub fn nearest(problem: &Problem, displacement: &[f64]) -> Result<Vec<Nearest>, 
 
 /// For every gap the deformed positions on its slave wall that are deeper than `depth` (mm) behind the master wall, and
 /// about those opposite.
-pub(crate) fn deeper_than(problem: &Problem, displacement: &[f64], depth: f64) -> Result<Vec<Vec<Vec3>>, PostError> {
+pub(crate) fn deeper_than(
+    problem: &Problem,
+    displacement: &[[f64; 3]],
+    depth: f64,
+) -> Result<Vec<Vec<Vec3>>, PostError> {
     let samples = sample(problem, displacement, -depth)?;
     Ok(samples
         .into_iter()
@@ -54,8 +58,8 @@ struct Sample {
 }
 
 /// Samples whose signed distance is below `limit`, and those that may be the nearest of their gap.
-fn sample(problem: &Problem, displacement: &[f64], limit: f64) -> Result<Vec<(usize, Vec<Sample>)>, PostError> {
-    check("displacement", displacement, problem.num_dofs())?;
+fn sample(problem: &Problem, displacement: &[[f64; 3]], limit: f64) -> Result<Vec<(usize, Vec<Sample>)>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut all = Vec::new();
     for (gap, pair) in problem.contact_pairs.iter().enumerate().filter(|(_, pair)| !pair.is_self()) {
         let master = Surface::new(problem, &pair.master, displacement);

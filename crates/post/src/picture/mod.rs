@@ -13,7 +13,7 @@
 //! let size = MeshSize::uniform(2.0);
 //! let problem = Problem::from_actuator(
 //!     &Actuator::two_chambers(), &size, Formulation::Hex8Sri, Material::default(), Contact::default())?;
-//! let displacement = vec![0.0; problem.num_dofs()];
+//! let displacement = vec![[0.0; 3]; problem.mesh.num_nodes()];
 //! let height: Vec<f64> = problem.mesh.nodes.iter().map(|x| x[2]).collect();
 //! let body = Body { field: Some(&height), ..Body::plain(&problem, &displacement) };
 //! let figure = Figure { label: "height (mm)".into(), ..Figure::new("At rest", vec![Panel::new("half model", body)]) };
@@ -49,7 +49,7 @@ pub struct Body<'a> {
     /// The body at rest.
     pub problem: &'a Problem,
     /// Displacements, mm, three per node.
-    pub displacement: &'a [f64],
+    pub displacement: &'a [[f64; 3]],
     /// Nodal field that colours it; `None` for one colour.
     pub field: Option<&'a [f64]>,
     /// Whether to show a half model together with its other half.
@@ -58,7 +58,7 @@ pub struct Body<'a> {
 
 impl<'a> Body<'a> {
     /// A body in one colour, as it is modelled.
-    pub fn plain(problem: &'a Problem, displacement: &'a [f64]) -> Self {
+    pub fn plain(problem: &'a Problem, displacement: &'a [[f64; 3]]) -> Self {
         Self { problem, displacement, field: None, is_mirrored: false }
     }
 
@@ -167,7 +167,7 @@ impl<'a> Figure<'a> {
         let mut bounds = Bounds::EMPTY;
         for panel in &self.panels {
             let Body { problem, displacement, field, is_mirrored } = panel.body;
-            check("displacement", displacement, problem.num_dofs())?;
+            check("displacement", displacement.as_flattened(), problem.num_dofs())?;
             if let Some(field) = field {
                 check("field", field, problem.mesh.num_nodes())?;
             }
@@ -487,7 +487,7 @@ mod tests {
         r > 150 && g < 80 && b < 80
     }
 
-    fn figure(problem: &Problem, u: &[f64], view: View) -> Drawing {
+    fn figure(problem: &Problem, u: &[[f64; 3]], view: View) -> Drawing {
         let panel = Panel::new("", Body::plain(problem, u));
         Figure { view, width: 300.0, sharpness: 1.0, ..Figure::new("", vec![panel]) }.draw().unwrap()
     }
@@ -495,7 +495,7 @@ mod tests {
     #[test]
     fn the_section_of_a_half_model_shows_the_cavities_and_the_outside_does_not() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         // Colour by height: inside the cavities one sees their far side walls at every height; from outside, too. What
         // differs is the area of the section's own colour: mark the symmetry plane.
         let on_plane: Vec<f64> = problem.mesh.nodes.iter().map(|x| if x[1] == 0.0 { 1.0 } else { 0.0 }).collect();
@@ -524,7 +524,7 @@ mod tests {
         let ovals = |d: &Drawing| d.shapes.iter().filter(|s| matches!(s, Shape::Ellipse { .. })).count();
         assert_eq!(ovals(&drawing), 2);
         // At rest nothing is in anything else, from no side and in no projection.
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         for view in [View::SIDE, View::SECTION, View::OUTSIDE, View { distance: Some(2.0), ..View::SECTION }] {
             let drawing = figure(&problem, &zero, view);
             assert_eq!((share(images(&drawing)[0], is_red), ovals(&drawing)), (0.0, 0));
@@ -534,7 +534,7 @@ mod tests {
     #[test]
     fn the_silhouette_has_the_area_of_the_body() {
         let problem = two_chambers(1.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let drawing = figure(&problem, &zero, View::SIDE);
         let image = images(&drawing)[0];
         let covered = image.rgba.chunks_exact(4).map(|p| f64::from(p[3]) / 255.0).sum::<f64>();
@@ -547,7 +547,7 @@ mod tests {
     #[test]
     fn panels_share_scale_and_colours_and_have_insets() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let bent = displacement_of(&problem, |x| [0.0, 0.0, -0.02 * x[0] * x[0]]);
         let (low, high) = (vec![0.0; problem.mesh.num_nodes()], vec![2.0; problem.mesh.num_nodes()]);
         let body = |u, field| Body { field: Some(field), ..Body::plain(&problem, u) };
@@ -571,7 +571,7 @@ mod tests {
     #[test]
     fn states_that_do_not_fit_are_refused() {
         let problem = two_chambers(4.5);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let draw = |body| Figure::new("", vec![Panel::new("", body)]).draw();
         assert!(draw(Body::plain(&problem, &zero[1..])).is_err());
         assert!(draw(Body { field: Some(&[1.0]), ..Body::plain(&problem, &zero) }).is_err());

@@ -52,7 +52,7 @@ impl Skin {
     /// The boundary of a body; with `mirrored`, of a half model together with its other half.
     ///
     /// `values` is a nodal field. Lengths are taken for granted.
-    pub fn new(problem: &Problem, displacement: &[f64], values: Option<&[f64]>, mirrored: bool) -> Self {
+    pub fn new(problem: &Problem, displacement: &[[f64; 3]], values: Option<&[f64]>, mirrored: bool) -> Self {
         let mesh = &problem.mesh;
         let nodes = mesh.num_nodes() as u32;
         let on_plane: Vec<bool> = mesh.nodes.iter().map(|x| mirrored && x[1].abs() < 1e-9).collect();
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn the_skin_is_closed_and_looks_outwards() {
         for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet10)] {
-            let zero = vec![0.0; problem.num_dofs()];
+            let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
             assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
         }
     }
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn the_other_half_has_no_wall_between() {
         let problem = two_chambers(2.0);
-        let zero = vec![0.0; problem.num_dofs()];
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
         let whole = Skin::new(&problem, &zero, None, true);
         // Mirrored faces are turned the wrong way round as lists of corners: count the volume by side.
         let (one, other): (Vec<&Face>, Vec<&Face>) =

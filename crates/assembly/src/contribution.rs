@@ -1,0 +1,144 @@
+//! What one contribution to the equilibrium offers: the solid, a pressure, contact, …
+//!
+//! A solver is given a list of contributions and knows none of them by name. Each takes a [`Position`] and is evaluated there: symmetric
+//! blocks ([`LocalContribution`]), forces without a tangent, an unsymmetric part, equations of unknowns beside the displacements.
+//! What only some have stands in a trait of its own: [`Mixed`], [`Unilateral`].
+
+use std::sync::Arc;
+
+use pneuflex_model::LoadParameter;
+
+use crate::boundary_term::Couplings;
+use crate::local::LocalContribution;
+
+/// Where contributions are evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Position<'a> {
+    /// Position on the load path.
+    pub parameter: LoadParameter,
+    /// Displacements, mm, one entry per node.
+    pub displacement: &'a [[f64; 3]],
+    /// Unknowns beside the displacements, those of one contribution or of all.
+    pub bordered: &'a [f64],
+}
+
+/// A contribution to the energy and the residual.
+pub trait Contribution: Send + Sync {
+    /// What it is, in a word.
+    fn name(&self) -> &'static str;
+
+    /// Takes a position; everything below is evaluated there. Its [`Position::bordered`] are this contribution's own.
+    fn set_position(&mut self, position: Position<'_>);
+
+    /// Energy, residual and the symmetric part of the tangent, block by block; `None` if it has only forces.
+    fn blocks(&self) -> Option<&dyn LocalContribution>;
+
+    /// Whether it is a load from outside: the scale of the residual is the norm of the loads.
+    fn is_load(&self) -> bool {
+        false
+    }
+
+    /// Adds to the residual (N, one entry per node) what is in no block: forces that do not depend on the displacements.
+    fn add_forces(&self, _residual: &mut [[f64; 3]]) {}
+
+    /// Adds what the tangent has beside its symmetric blocks at a displacement.
+    fn add_couplings(&self, _displacement: &[[f64; 3]], _couplings: &mut Couplings) {}
+
+    /// Number of unknowns that it has beside the displacements.
+    fn num_bordered(&self) -> usize {
+        0
+    }
+
+    /// The equations of these unknowns.
+    fn bordered_equations(&self, _displacement: &[[f64; 3]]) -> Vec<BorderedEquation> {
+        Vec::new()
+    }
+
+    /// Its part in a mixed linearisation, if it has one.
+    fn mixed(&mut self) -> Option<&mut dyn Mixed> {
+        None
+    }
+
+    /// What it keeps apart, if it is contact. Its blocks may have other nodes at other positions then.
+    fn unilateral(&self) -> Option<&dyn Unilateral> {
+        None
+    }
+
+    /// The same, to be changed.
+    fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        None
+    }
+
+    /// The position taken last has become the state of equilibrium: history follows.
+    fn commit(&mut self) {}
+
+    /// The attempt has failed: history goes back to the last state of equilibrium.
+    fn revert(&mut self) {}
+}
+
+/// The equation g(u, y) = 0 of an unknown y beside the displacements, which acts on the body along a column B of forces:
+/// r(u, y) = r(u) + y B(u) (theory §13).
+#[derive(Clone, Debug)]
+pub struct BorderedEquation {
+    /// g, in the unit of `scale`.
+    pub value: f64,
+    /// s: derivative of g along the column.
+    pub along_column: f64,
+    /// h: derivative of g by the unknown itself.
+    pub by_unknown: f64,
+    /// What g is small against.
+    pub scale: f64,
+    /// B over all degrees of freedom, N per unit of the unknown, one entry per node.
+    pub column: Vec<[f64; 3]>,
+}
+
+/// A contribution whose tangent may be taken with stresses of its own (mixed linearisation, theory §10): pressures of elements, tractions
+/// of contact points. The residual is not touched.
+pub trait Mixed {
+    /// Takes the stresses that the linear system predicts. With a correction, its displacement is that of the position taken last.
+    fn predict(&mut self, prediction: &Arc<Prediction>);
+
+    /// A tangent is assembled next: what was put off until then is done now.
+    fn linearise(&mut self) {}
+
+    /// The stresses, where they cannot be found again from the displacement and the correction alone; what a checkpoint keeps.
+    fn stored(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Puts them back. The list has the length of [`Self::stored`].
+    fn restore(&mut self, _stresses: &[f64]) {}
+}
+
+/// What the stresses of a mixed linearisation follow from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// Displacements, mm, one entry per node.
+    pub displacement: Vec<[f64; 3]>,
+    /// The correction that the linear system found there, mm; `None` for the stresses of the displacement itself.
+    pub correction: Option<Vec<[f64; 3]>>,
+}
+
+/// Points that must not pass through what is in their way.
+pub trait Unilateral {
+    /// Number of points.
+    fn num_points(&self) -> usize;
+
+    /// Number of points in contact at the position taken last.
+    fn num_active(&self) -> usize;
+
+    /// Nodes of the blocks that may soon be there beside those that are: the tangent's pattern needs room for them.
+    fn near_nodes(&self) -> Vec<Vec<u32>>;
+
+    /// Largest penetration at a displacement under the load parameter taken last, mm; 0 where nothing touches.
+    fn deepest_penetration(&self, displacement: &[[f64; 3]]) -> f64;
+
+    /// Tractions ⟨λ − k d⟩ of all points at a displacement, MPa, and the largest |d| of those that carry one, mm.
+    fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64);
+
+    /// Traction λ that every point carries without penetration, MPa (augmented Lagrangian); empty for none.
+    fn multipliers(&self) -> &[f64];
+
+    /// Sets them. There must be none or as many as points.
+    fn set_multipliers(&mut self, multipliers: Vec<f64>);
+}

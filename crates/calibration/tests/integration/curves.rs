@@ -1,0 +1,153 @@
+//! Every layout of a test file that users have, and what is refused.
+
+use pneuflex_calibration::curve::{ColumnChoice, CurveError, ReadOptions, Reading, StressUnit, decode, read};
+use pneuflex_calibration::law::Mode;
+
+fn parse(file: &str, text: &str, edit: impl Fn(&mut ReadOptions)) -> Result<Reading, CurveError> {
+    let mut options = ReadOptions::default();
+    edit(&mut options);
+    read(file, text, &options)
+}
+
+/// Stretch and stress of the points of a test.
+fn points(reading: &Reading, mode: Mode) -> Vec<[f64; 2]> {
+    let curve = reading.curves.iter().find(|c| c.mode == mode).unwrap();
+    curve.points.iter().map(|p| [p.stretch, p.stress]).collect()
+}
+
+#[track_caller]
+fn same(found: &[[f64; 2]], expected: &[[f64; 2]]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((a - b).abs() < 1e-12, "{found:?} {expected:?}");
+    }
+}
+
+#[track_caller]
+fn refused(file: &str, text: &str, edit: impl Fn(&mut ReadOptions), line: Option<usize>, words: &[&str]) {
+    let error = parse(file, text, edit).unwrap_err();
+    assert_eq!(error.line, line, "{error:?}");
+    for word in words {
+        assert!(
+            format!("{} {}", error.message, error.help.clone().unwrap_or_default()).contains(word),
+            "{word}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn a_long_table_with_several_tests_and_units() {
+    let text =
+        "# a comment\nmode,stretch,stress_kgf_cm2,stress_MPa\nuniaxial,1.5,1,0.0980665\nequibiaxial,1.2,2,0.196133\n";
+    let reading = parse("a.csv", text, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.0980665]]);
+    same(&points(&reading, Mode::Equibiaxial), &[[1.2, 0.196133]]);
+    assert!(reading.understood.iter().any(|l| l.contains("column 4 'stress_MPa'")), "{:?}", reading.understood);
+    assert!(reading.understood.iter().any(|l| l.contains("not used: column 3")), "{:?}", reading.understood);
+    let kgf = parse("a.csv", text, |o| o.columns = ColumnChoice::parse("stretch=2,stress=stress_kgf_cm2").unwrap());
+    same(&points(&kgf.unwrap(), Mode::Equibiaxial), &[[1.2, 0.196133]]);
+}
+
+#[test]
+fn wide_tables_with_a_column_of_strain_per_test_or_for_all() {
+    let pairs =
+        "uniaxial strain,uniaxial stress (kPa),pure shear strain (%),pure shear stress (kPa)\n0.5,100,20,50\n1,200,,\n";
+    let reading = parse("a.csv", pairs, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
+    same(&points(&reading, Mode::Planar), &[[1.2, 0.05]]);
+    let common = "stretch\tuniaxial (MPa)\tequibiaxial (MPa)\tplanar (MPa)\n1.5\t0.1\t0.2\t0.15\n2\t0.2\t\t0.3\n";
+    let reading = parse("a.csv", common, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
+    same(&points(&reading, Mode::Equibiaxial), &[[1.5, 0.2]]);
+    same(&points(&reading, Mode::Planar), &[[1.5, 0.15], [2.0, 0.3]]);
+}
+
+#[test]
+fn principal_stretches_are_checked_against_the_test() {
+    let head = "test,F11,F22,F33,S11,S22,S33\n";
+    let good = format!("{head}ET,1.2,1.2,0.694444,0.5,0.5,0\nPS,1.25,1,0.8,0.4,0,0\nUT,0.64,1.25,1.25,-0.6,0,0\n");
+    let reading = parse("a.csv", &good, |o| o.unit = Some(StressUnit::Megapascal)).unwrap();
+    assert_eq!(reading.curves.len(), 3);
+    same(&points(&reading, Mode::Uniaxial), &[[0.64, -0.6]]);
+    let bad = format!("{head}ET,1.2,1.0,0.8333,0.5,0.1,0\n");
+    refused("a.csv", &bad, |o| o.unit = Some(StressUnit::Megapascal), Some(2), &["column 3 'F22'", "equibiaxial"]);
+    refused("a.csv", &good, |_| (), Some(1), &["column 5 'S11'", "--unit"]);
+}
+
+#[test]
+fn machine_files_have_lines_above_the_table_and_true_measures_beside_engineering_ones() {
+    let text = "PARAMETER;INFO;;;\nStandard;ASTM D412;;;\nSpecimen Width (mm);6;;;\n;;;;\n\
+                Time (s);True Strain;True Stress (MPa);Engineering Strain;Engineering Stress (MPa)\n\
+                1;0.69314718055994530942;0.6;1;0.3\n";
+    let reading = parse("machine.csv", text, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[2.0, 0.3]]);
+    let columns = "true-strain=2,true-stress=3";
+    let by_true = parse("machine.csv", text, |o| o.columns = ColumnChoice::parse(columns).unwrap()).unwrap();
+    same(&points(&by_true, Mode::Uniaxial), &[[2.0, 0.3]]);
+}
+
+#[test]
+fn units_below_the_header_decimal_commas_and_old_encodings() {
+    let bytes = b"Dehnung;Standardkraft;Spannung\n%;N;N/mm\xb2\n50,5;1,2;0,25\n";
+    let reading = parse("zug_uniaxial.csv", &decode(bytes).unwrap(), |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.505, 0.25]]);
+    let utf16: Vec<u8> = "\u{feff}strain,stress (psi)\n0.5,100\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let reading = parse("ut.csv", &decode(&utf16).unwrap(), |_| ()).unwrap();
+    assert!((points(&reading, Mode::Uniaxial)[0][1] - 0.689_475_729_316_8).abs() < 1e-9);
+    assert!(decode(b"PK\x03\x04\0\0").is_err());
+}
+
+#[test]
+fn tables_without_names_need_them() {
+    let text = "1.5 ; 0.1\n2.0 ; 0.2\n";
+    refused("ut.csv", text, |_| (), Some(0), &["no column of stress", "--columns"]);
+    let reading = parse("ut.csv", text, |o| {
+        o.columns = ColumnChoice::parse("stretch=1,stress=2").unwrap();
+        o.unit = Some(StressUnit::Megapascal);
+    });
+    same(&points(&reading.unwrap(), Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
+}
+
+#[test]
+fn what_is_not_understood_is_refused_with_its_place() {
+    let head = "stretch;stress (MPa)\n";
+    let ut = |body: &str| format!("{head}{body}");
+    refused("a.csv", &ut("1.5;0.1\n"), |_| (), None, &["which test", "--test"]);
+    refused("ut.csv", &ut("1.5;0.1\n1.6;abc\n"), |_| (), Some(3), &["column 2 'stress (MPa)'", "`abc`"]);
+    refused("ut.csv", &ut("1.5;0.1\n1.6;\n"), |_| (), Some(3), &["is empty"]);
+    refused("ut.csv", &ut("1.5;0.1\n1.6;NaN\n"), |_| (), Some(3), &["finite number"]);
+    refused("ut.csv", &ut("1.5;0.1\n-0.5;0.1\n"), |_| (), Some(3), &["column 1 'stretch'", "greater than 0"]);
+    refused("ut.csv", &ut("1,5;0.1\n"), |_| (), Some(2), &["decimal commas", "--decimal"]);
+    refused("ut.csv", &ut("1,500;1,000\n"), |_| (), Some(2), &["thousands", "--decimal"]);
+    refused("ut.csv", "strain;stress (MPa)\n150;0.1\n", |_| (), Some(2), &["150", "--strain percent"]);
+    refused("ut.csv", "strain,stress (MPa)\n1,5,0,1\n", |_| (), Some(2), &["4 cells", "decimal commas"]);
+    refused(
+        "ut.csv",
+        "strain,strain,stress (MPa)\n1,2,3\n",
+        |_| (),
+        Some(1),
+        &["several columns", "1 'strain', 2 'strain'"],
+    );
+    refused("ut.csv", "strain,force (N)\n1,2\n", |_| (), Some(1), &["no column of stress"]);
+    refused("ut.csv", "elongation (mm),stress (MPa)\n1,2\n", |_| (), Some(1), &["no column of stretch or strain"]);
+    refused("a.csv", "test,stretch,stress (MPa)\nut,1,0\nshear,1.5,2\n", |_| (), Some(3), &["`shear`", "uniaxial"]);
+    refused(
+        "ut.csv",
+        "stress (MPa),strain\n1,2\n",
+        |o| o.unit = Some(StressUnit::Kilopascal),
+        Some(1),
+        &["MPa", "kPa"],
+    );
+    refused("ut.csv", "", |_| (), None, &["two numbers"]);
+    refused(
+        "ut.csv",
+        &ut("1.5;0.1\n"),
+        |o| o.columns = ColumnChoice::parse("stress=7").unwrap(),
+        Some(1),
+        &["no column 7"],
+    );
+    assert!(
+        ColumnChoice::parse("strain").is_err() && ColumnChoice::parse("force=3").unwrap_err().contains("true-strain")
+    );
+    refused("ut.csv", &ut(&format!("1.5;0.1\n1.6;0.2{}\n", " ".repeat(20_000))), |_| (), Some(3), &["characters"]);
+}

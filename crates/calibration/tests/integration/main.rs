@@ -1,0 +1,12 @@
+//! From the file of a test to constants.
+//!
+//! * [`curves`]: layouts of files, and what is refused.
+//! * [`fits`]: fits with known answers.
+//! * [`fuzz`]: files that may hold anything.
+
+// Helpers count as tests here.
+#![allow(clippy::unwrap_used)]
+
+mod curves;
+mod fits;
+mod fuzz;

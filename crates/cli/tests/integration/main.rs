@@ -1,0 +1,24 @@
+//! The program as its users have it: commands, files, messages, exit codes.
+//!
+//! * [`bad_input`]: one clear message, and nothing written.
+//! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`view`]: the commands.
+//! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
+//! * [`interrupted`]: runs that are killed, interrupted, robbed of their folder or started twice.
+//! * [`guide`], [`manual`]: what is written about the program is true.
+
+// Helpers count as tests here.
+#![allow(clippy::unwrap_used)]
+
+mod bad_input;
+mod case_files;
+mod converge;
+mod fit;
+mod guide;
+mod interrupted;
+mod manual;
+mod models;
+mod obstacles;
+mod rod;
+mod runs;
+mod support;
+mod view;

@@ -1,0 +1,140 @@
+//! One surface's points against another surface: what of it does not change.
+
+use pneuflex_mesh::{Facet, Mesh, shape};
+use pneuflex_model::{Contact, ContactMethod, ContactPair};
+
+use crate::projection::{dot, face_geometry, sub, unit_normal};
+use crate::self_contact::share_nodes;
+use crate::surface::Surface;
+
+/// Room is made in the tangent for faces that are nearer than this share of their distance at rest, and at least this share of a
+/// face's size where they (nearly) touch at rest.
+const NEAR_SHARE: f64 = 0.15;
+const NEAR_FACE_SHARE: f64 = 0.03;
+
+/// The points of a slave surface against a master surface. A pair has one of them, or two if each surface is the slave in turn.
+#[derive(Clone, Debug)]
+pub struct SurfacePair {
+    /// Number of the pair among the problem's.
+    pub pair: usize,
+    /// Whether the slave of this surface pair is the pair's master.
+    pub is_reversed: bool,
+    /// Where contact is looked for.
+    pub method: ContactMethod,
+    /// Penalty stiffness k, N/mm³.
+    pub stiffness: f64,
+    /// Surface that carries the points.
+    pub slave: Surface,
+    /// Surface onto which they are projected.
+    pub master: Surface,
+    /// Number of the first point.
+    pub(crate) first_point: usize,
+    /// Reference area that every point of every slave face stands for, mm²: half of it where both surfaces are slaves.
+    pub(crate) areas: Vec<f64>,
+    pub(crate) rule: Vec<([f64; 2], f64)>,
+    /// The surfaces belong together, see [`crate::self_contact`].
+    pub(crate) is_self_contact: bool,
+    /// Smallest distance at rest from the slave's first corner, mm; 0 of a surface from itself.
+    pub rest_distance: f64,
+    /// Points deeper than this behind a face are not found, mm; see [`SurfacePair::all_of`].
+    pub reach: f64,
+    /// How near faces must be for the tangent's pattern to have room for them, mm.
+    pub(crate) near: f64,
+}
+
+impl SurfacePair {
+    /// The surface pairs of pair number `number`; none where contact is switched off.
+    ///
+    /// Reach: at least a face's size, so that surfaces that touch at rest are followed as deep as the mesh can tell; the distance
+    /// at rest where that is larger, which is as far as a wall gets in a first guess without any contact; never more than half the
+    /// master's extent, so that bodies far apart are not looked for behind each other.
+    pub fn all_of(mesh: &Mesh, number: usize, pair: &ContactPair, contact: &Contact, first_point: usize) -> Vec<Self> {
+        let method = pair.method.unwrap_or(contact.method);
+        let stiffness = pair.stiffness.unwrap_or(contact.stiffness);
+        // Of two faces of one surface each is the other's slave.
+        let is_shared = pair.is_two_pass || pair.is_self();
+        let new = |slave: &[Facet], master: &[Facet], is_reversed: bool, first_point: usize| {
+            let kind = mesh.surface_kind(slave);
+            let rule = match method {
+                ContactMethod::SinglePoint => vec![(kind.centre(), kind.reference_area())],
+                _ => kind.contact_rule(),
+            };
+            let (slave, master) = (Surface::new(mesh, slave), Surface::new(mesh, master));
+            let areas = point_areas(&slave, &rule, &mesh.nodes, if is_shared { 0.5 } else { 1.0 });
+            let is_self_contact = method == ContactMethod::MultiPoint && share_nodes(&slave, &master);
+            let rest_distance = if is_self_contact { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
+            let (face_size, extent) = sizes(&master, &mesh.nodes);
+            let reach = rest_distance.min(0.5 * extent).max(face_size);
+            let near = (NEAR_SHARE * rest_distance).max(NEAR_FACE_SHARE * face_size).min(reach);
+            Self {
+                pair: number,
+                is_reversed,
+                method,
+                stiffness,
+                slave,
+                master,
+                first_point,
+                areas,
+                rule,
+                is_self_contact,
+                rest_distance,
+                reach,
+                near,
+            }
+        };
+        if method == ContactMethod::None {
+            return Vec::new();
+        }
+        let forward = new(&pair.slave, &pair.master, false, first_point);
+        if !pair.is_two_pass || pair.is_self() {
+            return vec![forward];
+        }
+        let next = first_point + forward.areas.len();
+        vec![forward, new(&pair.master, &pair.slave, true, next)]
+    }
+
+    /// Number of slave points.
+    pub fn num_points(&self) -> usize {
+        self.areas.len()
+    }
+}
+
+/// Reference area of every rule point of every face times `share`, mm².
+pub(crate) fn point_areas(surface: &Surface, rule: &[([f64; 2], f64)], nodes: &[[f64; 3]], share: f64) -> Vec<f64> {
+    let kind = surface.kind;
+    let mut areas = Vec::with_capacity(surface.num_faces() * rule.len());
+    for face in 0..surface.num_faces() {
+        let positions = surface.face_positions(face, nodes);
+        for &(xi, weight) in rule {
+            let geometry = face_geometry(&positions[..kind.num_nodes()], &shape::evaluate_face(kind, xi));
+            areas.push(share * weight * unit_normal(&geometry.tangents).1);
+        }
+    }
+    areas
+}
+
+/// Distance of the two surfaces at rest, from the slave's first corner, mm.
+fn rest_distance(slave: &Surface, master: &Surface, nodes: &[[f64; 3]]) -> f64 {
+    if slave.num_faces() == 0 || master.num_faces() == 0 {
+        return 0.0;
+    }
+    let origin = nodes[slave.face(0)[0] as usize];
+    (0..master.num_faces())
+        .flat_map(|face| master.face(face))
+        .map(|&node| {
+            let gap = sub(origin, nodes[node as usize]);
+            dot(gap, gap).sqrt()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Mean size of the faces, and extent of the surface, mm: the longest edge of their bounding boxes.
+fn sizes(surface: &Surface, nodes: &[[f64; 3]]) -> (f64, f64) {
+    if surface.num_faces() == 0 {
+        return (0.0, 0.0);
+    }
+    let longest = |b: &[[f64; 3]; 2]| (0..3).map(|d| b[1][d] - b[0][d]).fold(0.0, f64::max);
+    let boxes: Vec<_> = (0..surface.num_faces()).map(|face| surface.bounding_box(face, nodes)).collect();
+    let mean = boxes.iter().map(longest).sum::<f64>() / boxes.len() as f64;
+    (mean, longest(&crate::broad_phase::join(&boxes)))
+}

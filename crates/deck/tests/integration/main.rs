@@ -1,0 +1,19 @@
+//! From the text of a deck or mesh to a problem.
+//!
+//! * [`syntax`]: keywords, parameters, data lines, included files.
+//! * [`mesh_and_sets`], [`materials`], [`steps`]: what the keywords mean.
+//! * [`msh`]: meshes of Gmsh.
+//! * [`samples`]: whole decks, as they are and damaged.
+//! * [`calculix`]: whole decks against the displacements of CalculiX.
+
+// Helpers count as tests here.
+#![allow(clippy::unwrap_used)]
+
+mod calculix;
+mod materials;
+mod mesh_and_sets;
+mod msh;
+mod samples;
+mod steps;
+mod support;
+mod syntax;

@@ -1,0 +1,59 @@
+//! The contributions of a problem, in the order in which they are added.
+
+use pneuflex_assembly::cavity::{PressurisedFaces, Supply};
+use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Equations, Solid};
+use pneuflex_model::load::Load;
+use pneuflex_model::{Pressure, Problem};
+
+use crate::error::SetupError;
+use crate::state::State;
+
+/// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations, contact. A new
+/// kind of contribution is added here.
+///
+/// # Errors
+/// [`SetupError`] if an element is degenerate, or the volume of an open cavity matters.
+pub fn contributions_of(problem: &Problem) -> Result<Vec<Box<dyn Contribution>>, SetupError> {
+    let (materials, material_of) = problem.materials();
+    let solid = Solid::of_materials(problem.mesh.clone(), problem.formulation, &materials, material_of)?;
+    let mut list: Vec<Box<dyn Contribution>> = vec![Box::new(solid)];
+    for cavity in &problem.cavities {
+        list.push(Box::new(PressurisedFaces::of_cavity(problem, cavity)?));
+    }
+    for load in &problem.loads {
+        if let Load::Pressure { facets, curve } = load {
+            list.push(Box::new(PressurisedFaces::with_pressure(problem, facets, curve)));
+        }
+    }
+    list.push(Box::new(ConservativeLoads::of(problem)));
+    list.push(Box::new(Equations::of(problem)));
+    list.push(Box::new(ContactForces::of(problem)));
+    Ok(list)
+}
+
+/// The pressures of a problem's cavities, for reports.
+pub struct CavityPressures(Vec<(Supply, Option<usize>)>);
+
+impl CavityPressures {
+    /// Those of a problem.
+    ///
+    /// # Errors
+    /// [`SetupError::Cavity`] as [`contributions_of`].
+    pub fn of(problem: &Problem) -> Result<Self, SetupError> {
+        let mut unknowns = 0;
+        let mut list = Vec::new();
+        for cavity in &problem.cavities {
+            let supply = PressurisedFaces::of_cavity(problem, cavity)?.into_supply();
+            let unknown = supply.is_unknown().then_some(unknowns);
+            unknowns += usize::from(supply.is_unknown());
+            list.push((supply, unknown));
+        }
+        Ok(Self(list))
+    }
+
+    /// The pressure in every cavity.
+    pub fn at(&self, state: &State) -> Vec<Pressure> {
+        let unknown = |index: Option<usize>| index.map_or(&[][..], |index| &state.bordered[index..=index]);
+        self.0.iter().map(|(supply, index)| supply.pressure(state.parameter, unknown(*index))).collect()
+    }
+}

@@ -1,0 +1,101 @@
+//! When a state counts as an equilibrium.
+
+use pneuflex_model::{Material, Problem, Solver};
+
+use crate::bordered;
+use crate::globalisation::{Measures, Tuning};
+use crate::state::State;
+use crate::system::System;
+use crate::tangent_solver::Assembled;
+
+/// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
+const RESIDUAL_FLOOR: f64 = 1e-9;
+
+/// Rounding is accepted in the residual up to this multiple of the tolerance asked for.
+const MOST_ROUNDING: f64 = 10.0;
+
+/// Unknowns up to which the tolerance of the correction's norm can be met whatever the rounding. Beyond, rounding makes the norm
+/// grow with the root of their number.
+const FEW_UNKNOWNS: f64 = 1e4;
+
+/// What is known of the body before anything is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// Largest extent of the body, mm.
+    pub size: f64,
+    /// Residual that rounding leaves per mm of the body's extent, N/mm.
+    rounding_per_mm: f64,
+    /// Stretching by a correction after which the state is good enough to go on from.
+    pub inexact_stretch: f64,
+}
+
+impl Scales {
+    /// Those of a problem.
+    pub fn of(problem: &Problem, tuning: &Tuning) -> Self {
+        let materials = problem.materials().0;
+        let bulk_modulus = materials.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
+        let nodes = problem.mesh.num_nodes() as f64;
+        let rounding_per_mm = f64::EPSILON * bulk_modulus * problem.mesh.mean_element_size() * nodes.sqrt();
+        Self { size: problem.mesh.extent(), rounding_per_mm, inexact_stretch: inexact_stretch(&materials, tuning) }
+    }
+
+    /// Residual norm that rounding leaves, N: positions x are known to ε|x|, their gradients to ε|x|/h with the element size h,
+    /// pressures to κ ε|x|/h, and forces on an element to κ ε|x| h; over n nodes that adds up to √n times as much.
+    fn rounding(&self, displacement: &[[f64; 3]]) -> f64 {
+        let largest = displacement.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        self.rounding_per_mm * (self.size + largest)
+    }
+}
+
+fn inexact_stretch(materials: &[&Material], tuning: &Tuning) -> f64 {
+    let least = tuning.inexact_modulus_ratio;
+    let ratio = materials.iter().map(|m| m.bulk_modulus / m.shear_modulus()).fold(least, f64::max);
+    tuning.inexact_stretch * least / ratio
+}
+
+/// The tolerances of one attempt.
+#[derive(Clone, Copy, Debug)]
+pub struct Criteria {
+    /// Norm of the loads at the guess, N.
+    pub load: f64,
+    /// Residual that rounding leaves, N.
+    rounding: f64,
+    tolerance: f64,
+    /// What a correction cannot fall below once the residual is rounding.
+    rounded_tolerance: f64,
+    residual_tolerance: f64,
+    /// Whether supports or cavities drive the body: what the loads were at the guess says little then.
+    is_driven: bool,
+}
+
+impl Criteria {
+    /// The tolerances for an attempt that starts at a state.
+    pub fn new(system: &mut System, settings: &Solver, scales: &Scales, start: &State, has_motion: bool) -> Self {
+        let load = system.load_norm(start).max(f64::MIN_POSITIVE);
+        let unknowns = system.held().iter().filter(|held| !**held).count() as f64;
+        Self {
+            load,
+            rounding: scales.rounding(&start.displacement).min(MOST_ROUNDING * settings.residual_tolerance * load),
+            tolerance: settings.tolerance,
+            rounded_tolerance: settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0),
+            residual_tolerance: settings.residual_tolerance,
+            is_driven: has_motion || !start.bordered.is_empty(),
+        }
+    }
+
+    /// Whether a correction is small enough for the residual after it to be worth a look.
+    pub fn may_be_met(&self, last: &Measures) -> bool {
+        last.norm < self.tolerance || (last.residual <= self.rounding && last.norm < self.rounded_tolerance)
+    }
+
+    /// Whether what was assembled at a state is small enough.
+    pub fn are_met(&self, system: &mut System, state: &State, assembled: &Assembled) -> bool {
+        if bordered::violation(&assembled.equations) > self.residual_tolerance {
+            return false;
+        }
+        let driven =
+            if self.is_driven { system.load_norm(state).max(system.held_norm(&assembled.residual)) } else { 0.0 };
+        let tolerance = self.residual_tolerance * self.load.max(driven);
+        system.free_norm(&assembled.residual) <= tolerance.max(self.rounding).max(RESIDUAL_FLOOR)
+    }
+}

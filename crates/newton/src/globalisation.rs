@@ -1,0 +1,359 @@
+//! Globalisation of Newton's method: which tangent the next correction comes from, and what becomes of it.
+//!
+//! One object sees every correction and returns a [`Verdict`]. What it does beyond Newton's own method: a factor is used again while it
+//! contracts (modified Newton), a correction from a tangent that is nearly singular is found once more with the stresses of the last
+//! equilibrium in the tangent, corrections that run in circles are halved, and what runs away is given up.
+
+use pneuflex_model::Solver;
+
+use crate::failure::Cause;
+use crate::rotation_update::Extent;
+
+/// Constants of globalisation, of the guess of a load step and of its step control. Each was tuned on the paper's actuator and on random
+/// designs (`docs/measurements.md`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuning {
+    /// A correction this many times as large as the body is no use.
+    pub runaway: f64,
+    /// A correction with more stretching or rotation comes from a tangent that is nearly singular, and leads nowhere.
+    pub hopeless: Extent,
+    /// Corrections smaller than this are not hopeless, mm.
+    pub harmless: f64,
+    /// From this iteration on, a correction that is not smaller than [`Self::not_smaller`] times the one [`Self::circle`] tangents before is
+    /// halved: contact points that open and close in turn let Newton's method run in circles.
+    pub circling_from: usize,
+    /// See [`Self::circling_from`].
+    pub circle: usize,
+    /// See [`Self::circling_from`].
+    pub not_smaller: f64,
+    /// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
+    pub modified_below: f64,
+    /// Corrections in a row with the same factor, at the most.
+    pub most_modified: usize,
+    /// A correction with an old factor that is not smaller than this share of the one before is thrown away.
+    pub modified_contraction: f64,
+    /// Guesses are shortened to this stretching and rotation at any point: Newton's method hardly returns from further away.
+    pub guess: Extent,
+    /// Guesses are shortened where they would drive walls deeper than this into each other, mm.
+    pub guess_penetration: f64,
+    /// By how much a guess is shortened at a time.
+    pub shortening: f64,
+    /// By how much at the most.
+    pub shortest: f64,
+    /// A step on the way is good enough (inexact Newton) when no node moves further than this, mm,
+    pub inexact_displacement: f64,
+    /// and nothing is stretched further than this: in small elements 0.1 mm would leave stresses from which there is no going on.
+    pub inexact_stretch: f64,
+    /// Materials whose bulk modulus is a larger multiple of the shear modulus than this allow the less stretching, the less they allow of a
+    /// change of volume.
+    pub inexact_modulus_ratio: f64,
+    /// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
+    pub step_after_polishing: f64,
+    /// A step with no more iterations than this is followed by one twice as large.
+    pub easy_iterations: usize,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self {
+            runaway: 1e3,
+            hopeless: Extent { stretch: 0.7, angle: 1.5 },
+            harmless: 0.1,
+            circling_from: 8,
+            circle: 3,
+            not_smaller: 0.7,
+            modified_below: 0.05,
+            most_modified: 8,
+            modified_contraction: 0.5,
+            guess: Extent { stretch: 0.2, angle: 0.7 },
+            guess_penetration: 0.2,
+            shortening: 0.7,
+            shortest: 0.03,
+            inexact_displacement: 0.1,
+            inexact_stretch: 0.05,
+            inexact_modulus_ratio: 2e4,
+            step_after_polishing: 0.25,
+            easy_iterations: 8,
+        }
+    }
+}
+
+/// The tangent that the next correction comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// A new one.
+    New,
+    /// A new one that carries the stresses of the last equilibrium: far from the path, those that the linear system predicted can be so
+    /// large that nothing of the tangent is left.
+    Cautious,
+    /// The one at hand (modified Newton).
+    AtHand,
+}
+
+/// What becomes of a correction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// It is applied.
+    Accept,
+    /// This share of it is applied.
+    Shorten(f64),
+    /// It is thrown away; the next one comes from a new tangent.
+    Refactor,
+    /// The attempt is given up.
+    Reject(Cause),
+}
+
+/// Measures of a correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// ‖\[Δq; Δλ\]‖, mm and N.
+    pub norm: f64,
+    /// Largest component of Δq, mm.
+    pub largest: f64,
+    /// Residual norm before it, N.
+    pub residual: f64,
+    /// Contact points that carry traction.
+    pub contact_points: usize,
+}
+
+/// The policy of one attempt.
+pub struct Globalisation<'a> {
+    tuning: &'a Tuning,
+    settings: &'a Solver,
+    /// Largest extent of the body, mm.
+    size: f64,
+    choice: Choice,
+    iteration: usize,
+    /// Corrections since the last tangent.
+    modified: usize,
+    /// The last correction that was applied.
+    last: Measures,
+    /// Whether the factor at hand may serve once more.
+    goes_on: bool,
+    /// Norms of the corrections of new tangents.
+    norms: Vec<f64>,
+    /// Fewest and most touching points of the last iterations.
+    touching: (usize, usize),
+}
+
+/// Iterations at the end over which the touching points are watched.
+const WATCHED: usize = 6;
+
+/// A last correction below this (mm, N) is that of a contact which does not settle rather than of an iteration that is lost.
+const SETTLING: f64 = 1.0;
+
+impl<'a> Globalisation<'a> {
+    /// The policy of an attempt for a body of a size (mm).
+    pub fn new(tuning: &'a Tuning, settings: &'a Solver, size: f64) -> Self {
+        Self {
+            tuning,
+            settings,
+            size,
+            choice: Choice::New,
+            iteration: 0,
+            modified: 0,
+            last: Measures::default(),
+            goes_on: false,
+            norms: Vec::new(),
+            touching: (usize::MAX, 0),
+        }
+    }
+
+    /// Tangents so far.
+    pub fn iteration(&self) -> usize {
+        self.iteration
+    }
+
+    /// The tangent that the present correction comes from.
+    pub fn choice(&self) -> Choice {
+        self.choice
+    }
+
+    /// Where the next correction comes from; `None` when the iterations are used up.
+    pub fn next_tangent(&mut self) -> Option<Choice> {
+        if self.iteration >= self.settings.max_iterations {
+            return None;
+        }
+        let contracts = self.last.largest < self.tuning.modified_below && self.goes_on;
+        if self.iteration > 0 && contracts && self.modified < self.tuning.most_modified {
+            self.modified += 1;
+            self.choice = Choice::AtHand;
+        } else {
+            self.modified = 0;
+            self.iteration += 1;
+            if self.choice != Choice::Cautious {
+                self.choice = Choice::New;
+            }
+        }
+        Some(self.choice)
+    }
+
+    /// Judges a correction. `extent` computes how much it deforms the body, and is asked only if that matters; under `is_prescribed` motion
+    /// of the supports there is no second attempt.
+    pub fn judge(&mut self, now: Measures, is_prescribed: bool, extent: impl FnOnce() -> Extent) -> Verdict {
+        let tuning = self.tuning;
+        if !now.norm.is_finite() || now.largest > tuning.runaway * self.size {
+            return Verdict::Reject(Cause::Diverged { correction: now.norm });
+        }
+        if self.choice == Choice::AtHand {
+            return self.judge_modified(now);
+        }
+        if now.largest > tuning.harmless && extent().exceeds(&tuning.hopeless) {
+            if self.choice == Choice::Cautious || is_prescribed {
+                return Verdict::Reject(Cause::Diverged { correction: now.norm });
+            }
+            self.choice = Choice::Cautious;
+            self.goes_on = false;
+            return Verdict::Refactor;
+        }
+        self.norms.push(now.norm);
+        let before = self.norms.len().checked_sub(1 + tuning.circle).map(|index| self.norms[index]);
+        let circles = before.is_some_and(|before| now.norm > tuning.not_smaller * before);
+        self.watch(now.contact_points);
+        self.last = now;
+        self.goes_on = true;
+        if circles && self.iteration >= tuning.circling_from { Verdict::Shorten(0.5) } else { Verdict::Accept }
+    }
+
+    /// A correction of the factor at hand: it goes on while it needs few more corrections to get there; one that hardly contracts is
+    /// thrown away.
+    fn judge_modified(&mut self, now: Measures) -> Verdict {
+        self.watch(now.contact_points);
+        let ratio = now.norm / self.last.norm;
+        if ratio >= self.tuning.modified_contraction && now.norm >= self.settings.tolerance {
+            self.goes_on = false;
+            return Verdict::Refactor;
+        }
+        self.goes_on = ratio * ratio * now.norm < self.settings.tolerance;
+        self.last = now;
+        Verdict::Accept
+    }
+
+    /// The correction was applied, and its attempt goes on. Says whether the tangent was a cautious one: its inertia and its correction say
+    /// nothing about the equilibrium.
+    pub fn was_cautious(&mut self) -> bool {
+        let was = self.choice == Choice::Cautious;
+        if was {
+            self.choice = Choice::New;
+        }
+        was
+    }
+
+    /// Why the iterations did not suffice; `node` is where the residual is largest.
+    pub fn exhausted(&self, node: usize) -> Cause {
+        let (least, most) = self.touching;
+        if most > least && self.last.norm < SETTLING {
+            return Cause::ContactChatter { least, most };
+        }
+        Cause::TooManyIterations {
+            iterations: self.settings.max_iterations,
+            correction: self.last.norm,
+            residual: self.last.residual,
+            node,
+        }
+    }
+
+    fn watch(&mut self, touching: usize) {
+        if self.iteration + WATCHED > self.settings.max_iterations {
+            self.touching = (self.touching.0.min(touching), self.touching.1.max(touching));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TUNING: fn() -> Tuning = Tuning::default;
+
+    fn measures(norm: f64) -> Measures {
+        Measures { norm, largest: norm, residual: norm, contact_points: 0 }
+    }
+
+    fn small() -> Extent {
+        Extent::default()
+    }
+
+    #[test]
+    fn a_factor_is_used_again_while_it_contracts() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        assert_eq!(policy.next_tangent(), Some(Choice::New));
+        assert_eq!(policy.judge(measures(1.0), false, small), Verdict::Accept);
+        // Too large to go on with the factor at hand.
+        assert_eq!(policy.next_tangent(), Some(Choice::New));
+        assert_eq!(policy.judge(measures(1e-2), false, small), Verdict::Accept);
+        assert_eq!(policy.next_tangent(), Some(Choice::AtHand));
+        assert_eq!(policy.judge(measures(1e-5), false, small), Verdict::Accept);
+        assert_eq!(policy.next_tangent(), Some(Choice::AtHand));
+        // Hardly smaller: thrown away, a new tangent follows.
+        assert_eq!(policy.judge(measures(0.9e-5), false, small), Verdict::Refactor);
+        assert_eq!(policy.next_tangent(), Some(Choice::New));
+        assert_eq!(policy.iteration(), 3);
+    }
+
+    #[test]
+    fn a_hopeless_correction_is_found_once_more_and_then_given_up() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        let huge = || Extent { stretch: 2.0, angle: 0.0 };
+        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
+        assert_eq!(policy.next_tangent(), Some(Choice::Cautious));
+        assert_eq!(policy.judge(measures(0.5), false, small), Verdict::Accept);
+        assert!(policy.was_cautious() && !policy.was_cautious());
+        assert_eq!(policy.next_tangent(), Some(Choice::New));
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Reject(Cause::Diverged { correction: 1.0 }));
+        // Not where supports move.
+        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        policy.next_tangent();
+        assert!(matches!(policy.judge(measures(1.0), true, huge), Verdict::Reject(_)));
+        // Nor for a correction that is small.
+        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(0.05), false, huge), Verdict::Accept);
+    }
+
+    #[test]
+    fn circles_are_broken_by_halving() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        for iteration in 1..=9 {
+            policy.next_tangent();
+            let verdict = policy.judge(measures(0.5), false, small);
+            let expected = if iteration >= 8 { Verdict::Shorten(0.5) } else { Verdict::Accept };
+            assert_eq!(verdict, expected, "iteration {iteration}");
+        }
+    }
+
+    #[test]
+    fn what_runs_away_or_is_no_number_is_rejected() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        for bad in [f64::NAN, f64::INFINITY, 2e5] {
+            let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+            policy.next_tangent();
+            let verdict = policy.judge(measures(bad), false, small);
+            assert!(matches!(verdict, Verdict::Reject(Cause::Diverged { .. })), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_reason_of_an_exhausted_attempt_is_contact_where_points_keep_changing() {
+        let tuning = TUNING();
+        let settings = Solver { max_iterations: 8, ..Solver::default() };
+        let exhaust = |points: fn(usize) -> usize| {
+            let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+            let mut count = 0;
+            while policy.next_tangent().is_some() {
+                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
+                count += 1;
+            }
+            (count, policy.exhausted(7))
+        };
+        assert_eq!(exhaust(|count| 10 + count % 2), (8, Cause::ContactChatter { least: 10, most: 11 }));
+        let lost = Cause::TooManyIterations { iterations: 8, correction: 0.4, residual: 0.4, node: 7 };
+        assert_eq!(exhaust(|_| 10), (8, lost));
+    }
+}

@@ -1,0 +1,83 @@
+//! One load step: a guess along the tangent of the present equilibrium, and Newton's method from there.
+
+use pneuflex_model::LoadParameter;
+
+use super::{Converged, Path, Target};
+use crate::event::{Event, Observer};
+use crate::failure::Cause;
+use crate::state::{Correction, State};
+
+impl Path {
+    /// One load step towards `aim`, which becomes the position that is tried: a guess along the tangent, cut short where it
+    /// would deform the body too much or drive walls deep into each other, and Newton's method from there, to the end only at the
+    /// position asked for.
+    pub(super) fn load_step(
+        &mut self,
+        aim: &mut LoadParameter,
+        requested: LoadParameter,
+        observer: Observer<'_>,
+    ) -> Result<Converged, Cause> {
+        self.check_stop()?;
+        let start = self.equilibrium.state.clone();
+        let (correction, iterations) = self.guess(&start, *aim)?;
+        let (mut state, share) = self.shortened(&start, &correction, *aim)?;
+        if share < 1.0 {
+            *aim = start.parameter + share * (*aim - start.parameter);
+        }
+        state.parameter = *aim;
+        let target = if *aim == requested { Target::Requested } else { Target::OnTheWay };
+        observer(Event::StepStarted { step: self.step, parameter: *aim });
+        let held = self.motion.target(*aim);
+        let mut converged = self.newton(state, held.as_deref(), target, observer)?;
+        converged.iterations += iterations;
+        Ok(converged)
+    }
+
+    /// The correction of the present equilibrium for the loads of a position, and the number of tangents that it took.
+    ///
+    /// The present loads are in the factor, the new ones in the residual: with the new pressure in K as well, K is indefinite where the
+    /// stresses that balance it are still missing.
+    fn guess(&mut self, start: &State, wanted: LoadParameter) -> Result<(Correction, usize), Cause> {
+        let (tangent, iterations) = match self.predictor.take() {
+            Some(tangent) => (tangent, 0),
+            None => {
+                self.system.predict(&start.displacement, None);
+                let (_, tangent) = self.system.tangent(start)?;
+                self.iterations += 1;
+                (tangent, 1)
+            }
+        };
+        let loaded = start.moved_to(wanted);
+        let assembled = self.system.residual(&loaded)?;
+        let change = self.motion.change(&loaded);
+        let correction = self.system.solve(&tangent, &assembled, change.as_deref())?;
+        self.system.recycle(Some(tangent));
+        Ok((correction, iterations))
+    }
+
+    /// The state after as much of a guess as is safe, and its share.
+    fn shortened(
+        &mut self,
+        start: &State,
+        correction: &Correction,
+        wanted: LoadParameter,
+    ) -> Result<(State, f64), Cause> {
+        let tuning = self.tuning.clone();
+        let allowed = self.system.deepest_penetration(&start.displacement).max(tuning.guess_penetration);
+        let extent = self.system.extent(&start.displacement, &correction.displacement);
+        self.first_rate.get_or_insert(extent.stretch / (wanted - start.parameter));
+        let mut share = (tuning.guess.stretch / extent.stretch).min(tuning.guess.angle / extent.angle).min(1.0);
+        let shortest = tuning.shortest * share;
+        loop {
+            let guess = correction.scaled(share);
+            let mut trial = start.clone();
+            self.system.move_by(&mut trial, &guess)?;
+            let is_last = share * tuning.shortening < shortest;
+            if is_last || self.system.deepest_penetration(&trial.displacement) <= allowed {
+                self.system.predict(&start.displacement, Some(&guess.displacement));
+                return Ok((trial, share));
+            }
+            share *= tuning.shortening;
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Supports that move along the load path.
+
+use pneuflex_model::{LoadParameter, Problem};
+
+use crate::state::{State, difference};
+
+/// Displacements of supports below this are rounding, mm.
+const ROUNDED: f64 = 1e-13;
+
+/// The displacements that the supports prescribe.
+pub struct PrescribedMotion {
+    /// `None` if no support ever moves.
+    moving: Option<Problem>,
+}
+
+impl PrescribedMotion {
+    /// That of a problem's supports.
+    pub fn of(problem: &Problem) -> Self {
+        Self { moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()) }
+    }
+
+    /// Displacements at held degrees of freedom, mm, one entry per node; `None` if there are none to prescribe.
+    pub fn target(&self, parameter: LoadParameter) -> Option<Vec<[f64; 3]>> {
+        self.moving.as_ref().map(|problem| problem.held_displacement(parameter))
+    }
+
+    /// What is left of them at a state, mm, one entry per node.
+    pub fn change(&self, state: &State) -> Option<Vec<[f64; 3]>> {
+        self.target(state.parameter).map(|target| difference(&target, &state.displacement))
+    }
+}
+
+/// Whether a change of the supports' displacements is more than rounding.
+pub(crate) fn is_felt(change: &[[f64; 3]], held: &[bool]) -> bool {
+    change.as_flattened().iter().zip(held).any(|(x, held)| *held && x.abs() > ROUNDED)
+}

@@ -1,0 +1,222 @@
+//! A factorised tangent and the solutions that it gives: the factor of the symmetric part, the border of the other unknowns, GMRES for
+//! the unsymmetric part.
+
+use std::sync::Arc;
+
+use pneuflex_assembly::{BorderedEquation, Couplings};
+use pneuflex_factor::{BlockPattern, Factor, FactorError, Parallelism, Symbolic, gmres, multiply};
+
+use crate::bordered;
+use crate::error::AssembleError;
+use crate::linearisation::Linearisation;
+use crate::state::Correction;
+
+/// What is assembled at a state.
+#[derive(Clone, Debug, Default)]
+pub struct Assembled {
+    /// Energy, mJ.
+    pub energy: f64,
+    /// Residual r, N, one entry per node.
+    pub residual: Vec<[f64; 3]>,
+    /// Equations of the unknowns beside the displacements.
+    pub equations: Vec<BorderedEquation>,
+    /// Contact points that carry traction.
+    pub contact_points: usize,
+}
+
+/// A tangent K, factorised, with what it was made from.
+pub struct Tangent {
+    pattern: Arc<BlockPattern>,
+    buffers: Buffers,
+    /// Unsymmetric part.
+    couplings: Couplings,
+    held: Arc<[bool]>,
+    negative_pivots: usize,
+    linearisation: Linearisation,
+}
+
+/// Memory of a tangent that is not needed any more.
+pub(crate) struct Buffers {
+    pub(crate) values: Vec<f64>,
+    pub(crate) symbolic: Arc<Symbolic<3>>,
+    factor: Factor<3>,
+}
+
+impl Buffers {
+    /// None yet.
+    pub(crate) fn new(symbolic: &Arc<Symbolic<3>>) -> Self {
+        Self { values: Vec::new(), symbolic: Arc::clone(symbolic), factor: Factor::new(Arc::clone(symbolic)) }
+    }
+
+    /// Goes over to a pattern that has changed.
+    pub(crate) fn set_symbolic(&mut self, symbolic: &Arc<Symbolic<3>>) {
+        self.symbolic = Arc::clone(symbolic);
+        self.factor.set_symbolic(Arc::clone(symbolic));
+    }
+}
+
+impl Tangent {
+    /// Factorises an assembled tangent, its values in the buffers.
+    ///
+    /// # Errors
+    /// If the tangent is singular or not finite; the memory comes back.
+    pub(crate) fn new(
+        pattern: Arc<BlockPattern>,
+        mut buffers: Buffers,
+        (couplings, held): (Couplings, Arc<[bool]>),
+        linearisation: Linearisation,
+        parallelism: Parallelism,
+    ) -> Result<Self, (FactorError, Buffers)> {
+        match buffers.factor.factorize(&buffers.values, &held, parallelism) {
+            Ok(inertia) => {
+                let negative_pivots = inertia.negative;
+                Ok(Self { pattern, buffers, couplings, held, negative_pivots, linearisation })
+            }
+            Err(error) => Err((error, buffers)),
+        }
+    }
+
+    /// Negative eigenvalues: the number of motions that release energy; 0 if the state is stable.
+    pub fn negative_pivots(&self) -> usize {
+        self.negative_pivots
+    }
+
+    /// Turns the inertia into that of motions which the equations of the other unknowns allow; `responses` are the columns −K⁻¹B. Under
+    /// pressure on an open surface forces have no potential, and the inertia of the symmetric part says nothing: none is negative then.
+    pub(crate) fn judge_inertia(&mut self, equations: &[BorderedEquation], responses: Option<&[Vec<f64>]>) {
+        if let Some(responses) = responses {
+            let negative = self.negative_pivots + bordered::negative_eigenvalues(equations, responses);
+            // Fewer than there are unknowns cannot be but for rounding.
+            self.negative_pivots = negative.saturating_sub(equations.len());
+        }
+        if self.is_unsymmetric() {
+            self.negative_pivots = 0;
+        }
+    }
+
+    /// Whether forces have no potential, so that the inertia says nothing.
+    pub fn is_unsymmetric(&self) -> bool {
+        !self.couplings.is_empty()
+    }
+
+    /// The symmetric part of K, N/mm, 9 numbers per block of the pattern.
+    pub fn values(&self) -> &[f64] {
+        &self.buffers.values
+    }
+
+    /// What it was made from.
+    pub fn linearisation(&self) -> &Linearisation {
+        &self.linearisation
+    }
+
+    pub(crate) fn into_buffers(self) -> Buffers {
+        self.buffers
+    }
+
+    /// Columns Y = −K⁻¹B of the equations' columns B.
+    pub(crate) fn responses(&self, equations: &[BorderedEquation]) -> Result<Vec<Vec<f64>>, AssembleError> {
+        let mut all: Vec<f64> = Vec::with_capacity(equations.len() * self.held.len());
+        for equation in equations {
+            let column = equation.column.as_flattened().iter().zip(self.held.iter());
+            all.extend(column.map(|(b, held)| if *held { 0.0 } else { -b }));
+        }
+        self.solve_in_place(&mut all, equations.len())?;
+        Ok(all.chunks_exact(self.held.len().max(1)).map(<[f64]>::to_vec).collect())
+    }
+
+    /// Solves K x = b for some columns b, the values of held degrees of freedom among them.
+    fn solve_in_place(&self, columns: &mut [f64], count: usize) -> Result<(), AssembleError> {
+        self.buffers.factor.solve_in_place(columns, count)?;
+        if self.couplings.is_empty() {
+            return Ok(());
+        }
+        for column in columns.chunks_exact_mut(self.held.len().max(1)) {
+            let apply = |vector: &[f64]| {
+                let free = |(x, held): (&f64, &bool)| if *held { 0.0 } else { *x };
+                let moved: Vec<f64> = vector.iter().zip(self.held.iter()).map(free).collect();
+                let mut forces = vec![0.0; vector.len()];
+                self.couplings.add_product(&moved, &mut forces);
+                forces = forces.iter().zip(self.held.iter()).map(free).collect();
+                self.buffers.factor.solve_in_place(&mut forces, 1)?;
+                Ok::<_, FactorError>(vector.iter().zip(forces).map(|(x, y)| x + y).collect())
+            };
+            let solution = gmres::solve(column, apply)?.or_not_converged()?;
+            column.copy_from_slice(&solution);
+        }
+        Ok(())
+    }
+
+    /// K times a vector.
+    fn product(&self, vector: &[f64]) -> Result<Vec<f64>, FactorError> {
+        let mut product = vec![0.0; vector.len()];
+        multiply::<3>(&self.pattern, &self.buffers.values, vector, &mut product)?;
+        self.couplings.add_product(vector, &mut product);
+        Ok(product)
+    }
+
+    /// Correction from K δu + B δy = −r and the equations of the unknowns δy beside the displacements.
+    /// `prescribed` are the changes wanted at held degrees of freedom, mm, one entry per node; `responses` the columns −K⁻¹B if they are
+    /// known.
+    ///
+    /// # Errors
+    /// If the unsymmetric part is too much, or the equations contradict each other.
+    pub(crate) fn solve(
+        &self,
+        assembled: &Assembled,
+        prescribed: Option<&[[f64; 3]]>,
+        responses: Option<&[Vec<f64>]>,
+    ) -> Result<Correction, AssembleError> {
+        let mut rhs = self.right_hand_side(assembled.residual.as_flattened(), prescribed)?;
+        self.solve_in_place(&mut rhs, 1)?;
+        let mut border = Vec::new();
+        if !assembled.equations.is_empty() {
+            let computed;
+            let responses = match responses {
+                Some(responses) => responses,
+                None => {
+                    computed = self.responses(&assembled.equations)?;
+                    &computed
+                }
+            };
+            border = bordered::eliminate(&assembled.equations, responses, &rhs).ok_or(AssembleError::Contradiction)?;
+            for (change, response) in border.iter().zip(responses) {
+                for (value, y) in rhs.iter_mut().zip(response) {
+                    *value += change * y;
+                }
+            }
+        }
+        Ok(Correction { displacement: rhs.as_chunks().0.to_vec(), bordered: border })
+    }
+
+    /// −r less what the prescribed changes add to it; the changes themselves at held degrees of freedom.
+    fn right_hand_side(&self, residual: &[f64], prescribed: Option<&[[f64; 3]]>) -> Result<Vec<f64>, FactorError> {
+        let free = |(r, held): (&f64, &bool)| if *held { 0.0 } else { -r };
+        let mut rhs: Vec<f64> = residual.iter().zip(self.held.iter()).map(free).collect();
+        if let Some(prescribed) = prescribed {
+            let imposed = prescribed.as_flattened().iter().zip(self.held.iter());
+            let imposed: Vec<f64> = imposed.map(|(x, held)| if *held { *x } else { 0.0 }).collect();
+            let product = self.product(&imposed)?;
+            for i in 0..rhs.len() {
+                rhs[i] = if self.held[i] { imposed[i] } else { rhs[i] - product[i] };
+            }
+        }
+        Ok(rhs)
+    }
+
+    /// Multipliers λ = −(r + K δu + B δy) of the held degrees of freedom after a correction; zero at free ones.
+    ///
+    /// # Errors
+    /// If the correction is that of another problem.
+    pub(crate) fn multipliers(&self, assembled: &Assembled, correction: &Correction) -> Result<Vec<f64>, FactorError> {
+        let mut product = self.product(correction.displacement.as_flattened())?;
+        for (equation, change) in assembled.equations.iter().zip(&correction.bordered) {
+            for (value, b) in product.iter_mut().zip(equation.column.as_flattened()) {
+                *value += change * b;
+            }
+        }
+        for ((value, r), held) in product.iter_mut().zip(assembled.residual.as_flattened()).zip(self.held.iter()) {
+            *value = if *held { -(*value + r) } else { 0.0 };
+        }
+        Ok(product)
+    }
+}

@@ -1,0 +1,251 @@
+//! A boundary-value problem with what is to be found out about it.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use pneuflex_mesh::Actuator;
+use pneuflex_model::model_file::Model;
+use pneuflex_model::{Case, CaseError, LoadParameter, Probe, Problem, Solver};
+use pneuflex_newton::ConvergedState;
+use pneuflex_post::contact;
+use pneuflex_post::summary::{Described, StepSummary, probe_sites};
+
+use crate::body_file::read_body;
+use crate::derived;
+use crate::diagnosis::{Warning, warnings};
+use crate::document::CaseFile;
+use crate::error::Error;
+use crate::files::{Files, INPUT};
+use crate::input_error::InputError;
+use crate::memory::Estimate;
+use crate::recorded_mesh::{self, RecordedMesh};
+use crate::store::Store;
+
+/// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
+const MOST_OVERLAP: f64 = 1e-9;
+
+/// Whether a body of a size may be built, and what to warn of.
+pub type Guard<'a> = &'a dyn Fn(Estimate) -> Result<Option<String>, InputError>;
+
+/// A meshed body with materials, supports and loads, the positions on the load path at which results are wanted, and solver settings: ready to be solved,
+/// any number of times.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// Title, repeated in the output.
+    pub title: String,
+    /// What is solved.
+    pub problem: Problem,
+    /// Positions on the load path to reach: pressures in kPa for actuators, times of a schedule for others.
+    pub requested: Vec<LoadParameter>,
+    /// Solver settings.
+    pub solver: Solver,
+    /// Points whose displacement is reported.
+    pub probes: Vec<Probe>,
+    /// Whether field files are written where the results are recorded.
+    pub fields: bool,
+    /// How it was described.
+    pub description: Description,
+    /// What to know before it is solved: sizes, and what was understood in another way than it may be meant.
+    pub notes: Vec<String>,
+    /// File that it was read from, or what stands for it.
+    pub path: PathBuf,
+}
+
+/// How a problem was described.
+#[derive(Clone, Debug)]
+pub enum Description {
+    /// By an actuator's parameters.
+    Actuator(Box<Case>),
+    /// By a model file, and the files of its body.
+    Model(Box<Model>, Files),
+    /// By a model whose body was built in memory.
+    Body(Box<Model>),
+}
+
+impl Description {
+    /// The tables of a model; `None` for an actuator's case.
+    pub fn model(&self) -> Option<&Model> {
+        match self {
+            Self::Actuator(_) => None,
+            Self::Model(model, _) | Self::Body(model) => Some(model),
+        }
+    }
+}
+
+impl Analysis {
+    pub(crate) fn of_case_file(file: &CaseFile, guard: Guard<'_>) -> Result<Self, Vec<InputError>> {
+        let warning = guard(Estimate::of(&file.case))?;
+        let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
+        if let Some(overlap) = overlap(&problem) {
+            return Err(file.out_of_range(&overlap).into());
+        }
+        let notes = warning.into_iter().map(|warning| format!("warning: {warning}")).collect();
+        Ok(Self { notes, ..Self::of_case(file.path(), file.case.clone(), problem) })
+    }
+
+    /// An actuator's case with its problem, e.g. on another mesh than the case's own. `path` stands for its file.
+    pub fn of_case(path: &Path, case: Case, problem: Problem) -> Self {
+        Self {
+            title: case.title.clone(),
+            problem,
+            requested: case.load.pressure_kpa.iter().copied().map(LoadParameter).collect(),
+            solver: case.solver.clone(),
+            probes: case.probes.clone(),
+            fields: case.output.fields,
+            path: path.to_owned(),
+            description: Description::Actuator(Box::new(case)),
+            notes: Vec::new(),
+        }
+    }
+
+    /// A model file; `say` turns an error of a key into one with its place.
+    pub(crate) fn of_model(
+        store: &Store,
+        path: &Path,
+        model: Model,
+        guard: Guard<'_>,
+        say: &dyn Fn(CaseError) -> InputError,
+    ) -> Result<Self, Vec<InputError>> {
+        let mut notes = Vec::new();
+        let (mut title, mut files, mut schedule) = (model.title.clone(), Files::default(), None);
+        let (body, warning) = match (&model.model, &model.actuator) {
+            (Some(source), _) => {
+                let body = path.parent().unwrap_or(Path::new("")).join(&source.file);
+                let read = read_body(store, &body, source)?;
+                let warning = guard(Estimate::of_body(&read.problem.mesh))?;
+                notes.extend(read.notes);
+                if title.is_empty() {
+                    title = read.title;
+                }
+                (files, schedule) = (read.files, read.schedule);
+                (read.problem, warning)
+            }
+            (None, Some(actuator)) => {
+                let formulation = model.mesh.formulation();
+                let size = model.mesh.mesh_size(actuator);
+                let material = model.material.clone().unwrap_or_default();
+                let warning = guard(Estimate::of_actuator(actuator, formulation.element_kind(), &size))?;
+                let problem = Problem::from_actuator(actuator, &size, formulation, material, Default::default());
+                (problem.map_err(|error| say(error.into()))?, warning)
+            }
+            // The ranges of a model file ask for one of them.
+            (None, None) => {
+                return Err(InputError::about_file(path, "there is neither [model] nor [actuator]").into());
+            }
+        };
+        notes.extend(warning.map(|warning| format!("warning: {warning}")));
+        let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
+        let said = |errors: Vec<CaseError>| errors.into_iter().map(say).collect::<Vec<InputError>>();
+        let analysis = Self::of_body(path, model.clone(), body, schedule).map_err(said)?;
+        Ok(Self { title, notes, description: Description::Model(Box::new(model), files), ..analysis })
+    }
+
+    /// A model on a body that is there.
+    pub(crate) fn of_body(
+        path: &Path,
+        model: Model,
+        body: Problem,
+        schedule: Option<(&[f64], f64)>,
+    ) -> Result<Self, Vec<CaseError>> {
+        let study = model.study(body, schedule)?;
+        if let Some(overlap) = overlap(&study.problem) {
+            return Err(vec![overlap]);
+        }
+        Ok(Self {
+            title: model.title.clone(),
+            problem: study.problem,
+            requested: study.times.into_iter().map(LoadParameter).collect(),
+            solver: study.solver,
+            probes: model.probes.clone(),
+            fields: model.output.fields,
+            path: path.to_owned(),
+            description: Description::Body(Box::new(model)),
+            notes: Vec::new(),
+        })
+    }
+
+    /// Size, and the memory that solving will need.
+    pub fn estimate(&self) -> Estimate {
+        let mesh = &self.problem.mesh;
+        match &self.description {
+            Description::Actuator(case) => Estimate::of_mesh(case, mesh.num_elements(), self.problem.num_unknowns()),
+            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh),
+        }
+    }
+
+    /// What to be careful about in results of this analysis.
+    pub fn warnings(&self, states: &[StepSummary]) -> Vec<Warning> {
+        let case = match &self.description {
+            Description::Actuator(case) => Some(&**case),
+            Description::Model(..) | Description::Body(_) => None,
+        };
+        warnings(self.problem.clock, case, states)
+    }
+
+    /// Everything that can be derived from an equilibrium of this analysis: the summary, stresses, what the contact carries.
+    ///
+    /// # Errors
+    /// [`Error::Results`] for an equilibrium of another mesh, or one from which nothing can be derived.
+    pub fn describe(&self, equilibrium: &ConvergedState) -> Result<Described, Error> {
+        Ok(derived::describe(&self.problem, &probe_sites(&self.problem.mesh, &self.probes), equilibrium)?)
+    }
+
+    /// Name of the file without folder and extension.
+    pub fn stem(&self) -> String {
+        self.path.file_stem().map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned())
+    }
+
+    /// The actuator that the body is, if it is one.
+    pub fn actuator(&self) -> Option<&Actuator> {
+        match &self.description {
+            Description::Actuator(case) => Some(&case.actuator),
+            Description::Model(model, _) | Description::Body(model) => model.actuator.as_ref(),
+        }
+    }
+
+    /// The text of the resolved case, with every default; a model's refers to the copies of its files in a result folder.
+    ///
+    /// # Errors
+    /// Values that TOML cannot hold.
+    pub fn resolved(&self) -> Result<String, toml::ser::Error> {
+        let (model, file) = match &self.description {
+            Description::Actuator(case) => return toml::to_string(&case.resolved()),
+            Description::Model(model, files) => (model, &*files.name),
+            Description::Body(model) => (model, recorded_mesh::FILE),
+        };
+        let mut model = (**model).clone();
+        model.title.clone_from(&self.title);
+        if let Some(source) = &mut model.model {
+            source.file = format!("{INPUT}/{file}");
+        }
+        toml::to_string(&model)
+    }
+
+    /// The files of the body, as they are copied to a result folder; `None` for an actuator's case.
+    ///
+    /// # Errors
+    /// A mesh that cannot be written.
+    pub(crate) fn files(&self) -> Result<Option<Cow<'_, Files>>, InputError> {
+        match &self.description {
+            Description::Actuator(_) => Ok(None),
+            Description::Model(_, files) => Ok(Some(Cow::Borrowed(files))),
+            Description::Body(_) => {
+                let bytes = RecordedMesh::of(self.problem.formulation, &self.problem.mesh).written()?;
+                let name = recorded_mesh::FILE.to_owned();
+                Ok(Some(Cow::Owned(Files { name, bytes, included: Vec::new() })))
+            }
+        }
+    }
+}
+
+/// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
+fn overlap(problem: &Problem) -> Option<CaseError> {
+    if problem.obstacles.is_empty() {
+        return None;
+    }
+    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
+    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
+    let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
+    let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
+    Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
+}

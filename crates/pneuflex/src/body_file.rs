@@ -1,0 +1,90 @@
+//! Reading the file that holds a body: a deck, a mesh of Gmsh, or a mesh as it was recorded.
+
+use std::path::Path;
+
+use pneuflex_deck::msh;
+use pneuflex_model::model_file::Source;
+use pneuflex_model::{Formulation, Problem};
+
+use crate::files::{Files, INCLUDED, included_name};
+use crate::input_error::InputError;
+use crate::recorded_mesh::RecordedMesh;
+use crate::store::Store;
+
+/// A body that was read.
+pub struct ReadBody {
+    /// Title of the deck.
+    pub title: String,
+    /// The body, with what a deck says of loads and supports.
+    pub problem: Problem,
+    /// Times and first increment of a deck.
+    pub schedule: Option<(Vec<f64>, f64)>,
+    /// What was understood in another way than it may be meant.
+    pub notes: Vec<String>,
+    /// The files.
+    pub files: Files,
+}
+
+/// Whether a path is that of a deck.
+pub fn is_deck(path: &Path) -> bool {
+    has_extension(path, "inp")
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// Reads the body of a model file.
+///
+/// # Errors
+/// A file that cannot be read, or everything that is wrong with it.
+pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody, Vec<InputError>> {
+    let bytes = store.bytes(path).map_err(|why| InputError::about_file(path, why))?;
+    let shown = path.display().to_string();
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let mut files = Files { name, bytes: bytes.clone(), included: Vec::new() };
+    let wrong = |errors: Vec<pneuflex_deck::DeckError>| errors.into_iter().map(InputError::from).collect::<Vec<_>>();
+    if is_deck(path) {
+        if source.scale != 1.0 {
+            let what = "model.scale = must be 1 for a deck: decks are in mm, N, MPa";
+            return Err(InputError::new(what).of_key("model.scale").into());
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let copies = copies(store, folder);
+        let mut include = |name: &str| {
+            let copy = copies.iter().position(|known| known == name).map(included_name);
+            let bytes = store.bytes(&folder.join(copy.unwrap_or_else(|| name.to_owned())))?;
+            files.included.push((name.to_owned(), bytes.clone()));
+            Ok(bytes)
+        };
+        let deck = pneuflex_deck::read(&shown, bytes, &mut include).map_err(wrong)?;
+        return Ok(ReadBody {
+            title: deck.title,
+            problem: deck.problem,
+            schedule: Some((deck.schedule.times, deck.schedule.first_increment)),
+            notes: deck.notes.iter().map(ToString::to_string).collect(),
+            files,
+        });
+    }
+    let (mesh, formulation, notes) = if has_extension(path, "msh") {
+        let read = msh::read(&shown, &bytes).map_err(wrong)?;
+        let kind = read.mesh.kind;
+        let unknown = || InputError::about_file(path, format!("{} cannot be solved", kind.words()));
+        let formulation = Formulation::of_kind(kind).ok_or_else(unknown)?;
+        (read.mesh, formulation, read.notes.iter().map(ToString::to_string).collect())
+    } else if has_extension(path, "json") {
+        let (mesh, formulation) = RecordedMesh::read(&bytes).map_err(|why| InputError::about_file(path, why))?;
+        (mesh, formulation, Vec::new())
+    } else {
+        let help = "decks end in .inp, meshes of Gmsh in .msh".to_owned();
+        return Err(InputError::about_file(path, "is neither a deck nor a mesh").with_help(Some(help)).into());
+    };
+    let mesh = mesh.map_nodes(|x| x.map(|t| source.scale * t));
+    let problem = Problem::body(mesh, formulation, Default::default());
+    Ok(ReadBody { title: String::new(), problem, schedule: None, notes, files })
+}
+
+/// Names of included files of which copies lie in a folder.
+fn copies(store: &Store, folder: &Path) -> Vec<String> {
+    store.bytes(&folder.join(INCLUDED)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+}

@@ -1,0 +1,196 @@
+//! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack).
+
+use pneuflex_model::{Clock, LoadParameter};
+use pneuflex_newton::Checkpoint;
+use pneuflex_post::summary::StepSummary;
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use crate::analysis::Analysis;
+use crate::error::ResultsError;
+use crate::files::{Files, INPUT, included_name};
+use crate::folder::OutputFolder;
+use crate::input_error::{InputError, InputErrorKind};
+
+/// Name of the file.
+const FILE: &str = "checkpoint.bin";
+
+/// What the output folder held when the checkpoint was written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Recorded {
+    /// Pressures landed on.
+    pub steps: Vec<StepSummary>,
+    /// Length of `history.jsonl`.
+    pub history_bytes: u64,
+    /// Seconds spent on derived quantities and files.
+    pub output_s: f64,
+}
+
+/// Where a run begins that goes on with what a folder holds.
+#[derive(Clone, Debug, Default)]
+pub enum Start {
+    /// At rest: there is nothing to go on with.
+    #[default]
+    AtRest,
+    /// At an accepted load step of an earlier run.
+    From(Box<(Recorded, Checkpoint)>),
+    /// Nowhere: the earlier run reached everything that is asked for.
+    Complete(Vec<StepSummary>),
+}
+
+#[derive(Serialize)]
+struct Stored<'a> {
+    version: &'a str,
+    recorded: &'a Recorded,
+    path: &'a Checkpoint,
+}
+
+#[derive(Deserialize)]
+struct Loaded {
+    version: String,
+    recorded: Recorded,
+    path: Checkpoint,
+}
+
+/// Writes the checkpoint of a run.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), ResultsError> {
+    let stored = Stored { version: env!("CARGO_PKG_VERSION"), recorded, path };
+    folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| ResultsError::not_representable(FILE, e))?)
+}
+
+impl OutputFolder {
+    /// Where a run of an analysis is to go on that records in this folder.
+    ///
+    /// # Errors
+    /// Results of another case, of another version of the program, or a damaged checkpoint.
+    pub fn start(&self, analysis: &Analysis) -> Result<Start, InputError> {
+        load(self, analysis)
+    }
+}
+
+fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError> {
+    let again = |what: String| {
+        InputError::about_file(folder.path(), what)
+            .of_kind(InputErrorKind::OtherResults)
+            .with_help(Some("start over; that replaces what is there".into()))
+    };
+    let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
+    let unreadable = || again("case.toml cannot be read: it is damaged, or another version's".into());
+    let old: toml::Table = std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
+    let new: toml::Table = analysis.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
+    let mut changes = changes(&old, &new);
+    if let Some(files) = analysis.files()? {
+        changes.extend(changed_files(folder, &files));
+    }
+    let reached = reached(folder);
+    if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied()) {
+        return Ok(Start::Complete(reached));
+    }
+    let old_requested = requested_by(&old);
+    let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
+    if !forbidden.is_empty() {
+        return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
+    }
+    let Some(bytes) = folder.read(FILE) else {
+        if folder.path().join(FILE).exists() || !reached.is_empty() {
+            return Err(again(format!("there are results, but {FILE} is missing or cannot be read")));
+        }
+        return Ok(Start::AtRest);
+    };
+    let loaded: Loaded =
+        rmp_serde::from_slice(&bytes).map_err(|_| again(format!("{FILE} is damaged, or another version's")))?;
+    if loaded.version != env!("CARGO_PKG_VERSION") {
+        return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
+    }
+    let reached = loaded.recorded.steps.iter().map(StepSummary::when);
+    let requested = &analysis.requested;
+    let count = loaded.recorded.steps.len();
+    let at = loaded.path.parameter;
+    let goes_on = reached.eq(requested.iter().copied().take(count))
+        && requested.get(count).is_none_or(|next| *next >= at)
+        // The last time reached may not be among the steps yet.
+        && (!old_requested.contains(&at) || requested.contains(&at));
+    if !goes_on {
+        return Err(again(format!(
+            "{} leaves out what was reached; it may only change beyond {}",
+            if analysis.problem.clock == Clock::Pressure { "load.pressure_kpa" } else { "load.times" },
+            analysis.problem.clock.words(at)
+        )));
+    }
+    Ok(Start::From(Box::new((loaded.recorded, loaded.path))))
+}
+
+/// Whether a run may go on with another value of a key: how the rest of the path is followed.
+fn may_change(key: &str) -> bool {
+    key == "load.pressure_kpa" || key == "load.times" || key.starts_with("solver.")
+}
+
+/// The positions on the load path that a case asks for, as far as it names them.
+fn requested_by(case: &toml::Table) -> Vec<LoadParameter> {
+    let load = case.get("load").and_then(Value::as_table);
+    let list = load.and_then(|load| load.get("pressure_kpa").or_else(|| load.get("times"))).and_then(Value::as_array);
+    list.into_iter().flatten().filter_map(Value::as_float).map(LoadParameter).collect()
+}
+
+/// Files of the body that are not the copies of an earlier run.
+fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String)> {
+    let same = |name: &str, bytes: &[u8]| folder.read(&format!("{INPUT}/{name}")).is_some_and(|old| old == bytes);
+    let is_same = (files.bytes.is_empty() || same(&files.name, &files.bytes))
+        && files.included.iter().enumerate().all(|(i, (_, bytes))| same(&included_name(i), bytes));
+    (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
+}
+
+/// What `summary.json` says of the times that were reached.
+fn reached(folder: &OutputFolder) -> Vec<StepSummary> {
+    let mut summary: serde_json::Value =
+        serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
+    let Some(steps) = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut) else { return Vec::new() };
+    let converged = steps.drain(..).filter(|step| step["converged"] == true);
+    converged.filter_map(|step| serde_json::from_value(step).ok()).collect()
+}
+
+/// Keys of which two cases have different values, each with what it was and is.
+fn changes(old: &toml::Table, new: &toml::Table) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    compare(Some(&Value::Table(old.clone())), Some(&Value::Table(new.clone())), "", &mut found);
+    found
+}
+
+fn compare(old: Option<&Value>, new: Option<&Value>, key: &str, found: &mut Vec<(String, String)>) {
+    let keys = [old, new].into_iter().flatten().filter_map(Value::as_table).flat_map(toml::Table::keys);
+    if let (Some(Value::Table(_)) | None, Some(Value::Table(_)) | None) = (old, new) {
+        let keys: std::collections::BTreeSet<_> = keys.collect();
+        for name in keys {
+            let below = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            compare(old.and_then(|o| o.get(name)), new.and_then(|n| n.get(name)), &below, found);
+        }
+    } else if old != new {
+        let text = |value: Option<&Value>| value.map_or("nothing".into(), Value::to_string);
+        found.push((key.into(), format!("{key} was {} and is {}", text(old), text(new))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneuflex_model::Case;
+
+    #[test]
+    fn changes_of_a_case_are_named() {
+        let text = crate::template::two_chambers();
+        let old: Case = toml::from_str(&text).unwrap();
+        let table = |case: &Case| toml::Table::try_from(case).unwrap();
+        assert_eq!(changes(&table(&old), &table(&old)), []);
+        let mut new = old.clone();
+        new.material.law = pneuflex_model::Law::Yeoh { c10: 1.0, c20: 0.03053, c30: -0.000_401_3 };
+        new.title = "other".into();
+        let found = changes(&table(&old), &table(&new));
+        let keys: Vec<_> = found.iter().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(keys, ["material.c10", "title"]);
+        assert!(found[0].1.ends_with("and is 1.0"), "{}", found[0].1);
+        assert!(!may_change("output.fields") && !may_change("material.c10") && may_change("solver.min_step_kpa"));
+    }
+}

@@ -1,0 +1,52 @@
+//! What is derived from an equilibrium.
+
+use std::collections::BTreeMap;
+
+use pneuflex_model::Problem;
+use pneuflex_newton::ConvergedState;
+use pneuflex_post::summary::{self, Described, ProbeSite, State};
+
+use crate::error::ResultsError;
+
+/// Everything that is derived from an equilibrium.
+///
+/// # Errors
+/// [`ResultsError::Derived`].
+pub fn describe(
+    problem: &Problem,
+    sites: &BTreeMap<String, ProbeSite>,
+    equilibrium: &ConvergedState,
+) -> Result<Described, ResultsError> {
+    let state = as_described(equilibrium);
+    summary::describe(problem, sites, &state).map_err(|source| failed(problem, equilibrium, source))
+}
+
+/// The texts of the field files: the body, and the contact walls if there are any.
+///
+/// # Errors
+/// [`ResultsError::Derived`].
+pub fn field_files(
+    problem: &Problem,
+    described: &Described,
+    equilibrium: &ConvergedState,
+) -> Result<(String, Option<String>), ResultsError> {
+    let files = described.field_files(problem, &as_described(equilibrium));
+    files.map_err(|source| failed(problem, equilibrium, source))
+}
+
+fn failed(problem: &Problem, equilibrium: &ConvergedState, source: pneuflex_post::PostError) -> ResultsError {
+    ResultsError::Derived { at: problem.clock.words(equilibrium.parameter), source }
+}
+
+fn as_described(equilibrium: &ConvergedState) -> State<'_> {
+    State {
+        parameter: equilibrium.parameter,
+        cavity_pressures: &equilibrium.cavity_pressures,
+        displacement: &equilibrium.displacement,
+        reaction: &equilibrium.reaction,
+        iterations: equilibrium.iterations,
+        load_steps: equilibrium.load_steps,
+        contact_multipliers: &equilibrium.contact_multipliers,
+        contact_failure: equilibrium.augmentation.as_ref().and_then(|augmentation| augmentation.failure.as_deref()),
+    }
+}

@@ -1,0 +1,263 @@
+//! Why a run ended, and what to be careful about, in the words of somebody who designs actuators.
+
+use pneuflex_model::{Case, Clock, ContactMethod, Problem, Resolution};
+use pneuflex_newton::{Cause, Failure};
+use pneuflex_post::stress::recover;
+use pneuflex_post::summary::StepSummary;
+use serde::Serialize;
+
+/// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
+const PENETRATION_SHARE: f64 = 0.1;
+
+/// A body that somewhere stretches this much more per pressure than at rest is at a limit point.
+const LIMIT_POINT: f64 = 10.0;
+
+/// Why a run ended early.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reason {
+    /// Short name.
+    pub kind: ReasonKind,
+    /// Whether the reason lies in the design, and not in how it was computed.
+    pub is_physical: bool,
+    /// What happened.
+    pub message: String,
+    /// What to try.
+    pub advice: String,
+}
+
+/// Kinds of reasons; their names are part of `summary.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReasonKind {
+    /// The material is stretched beyond where its constants have stiffness left.
+    MaterialLimit,
+    /// The equilibrium becomes unstable: buckling, ballooning, snap-through.
+    Instability,
+    /// Contact does not settle: walls touch and part in turn.
+    WallsCross,
+    /// Newton's method does not converge for a reason that was not found.
+    NotConverged,
+}
+
+/// Something to be careful about in results that were reached.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    /// Short name.
+    pub kind: WarningKind,
+    /// First requested pressure at which it holds, kPa; left out if it holds for the whole run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_kpa: Option<f64>,
+    /// The same as a time, for models.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// What is to be known.
+    pub message: String,
+    /// What to do about it.
+    pub advice: String,
+}
+
+/// Kinds of warnings; their names are part of `summary.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WarningKind {
+    /// The material is stretched beyond where its constants have stiffness left.
+    MaterialLimit,
+    /// Walls of neighbouring chambers pass through each other.
+    Penetration,
+    /// The body has curled so far that parts may overlap between which no contact is modelled.
+    Overlap,
+    /// The mesh is too coarse to rely on the numbers.
+    CoarseMesh,
+}
+
+/// Why a path ended, from its failure and the displacements (mm, three per node) of the last equilibrium; `None` for one that was
+/// interrupted.
+pub fn explain(problem: &Problem, failure: &Failure, displacement: &[[f64; 3]]) -> Option<Reason> {
+    let Failure { cause, stability, .. } = failure;
+    let reached = failure.clock.words(failure.reached);
+    if *cause == Cause::Interrupted {
+        return None;
+    }
+    let is_chatter = matches!(cause, Cause::ContactChatter { .. });
+    if let Some(message) = material_gives_way(problem, displacement).filter(|_| !is_chatter) {
+        return Some(Reason {
+            kind: ReasonKind::MaterialLimit,
+            is_physical: true,
+            message: format!("at {reached} {message}"),
+            advice: "stay below this pressure, make the walls thicker, or use constants that were fitted to larger stretches \
+                     (`pneuflex fit` prints the range in which a set is stable)"
+                .into(),
+        });
+    }
+    let is_limit = stability.softening > LIMIT_POINT || stability.negative_pivots > 0;
+    if is_limit || matches!(cause, Cause::IndefiniteTangent { .. }) {
+        let motion = if stability.negative_pivots > 0 {
+            "small disturbances make it buckle or snap".to_owned()
+        } else {
+            format!("some part stretches {:.0} times as much per kPa as at rest", stability.softening)
+        };
+        return Some(Reason {
+            kind: ReasonKind::Instability,
+            is_physical: true,
+            message: format!(
+                "the equilibrium becomes unstable at {reached}: {motion}, and no equilibrium at a higher pressure is near"
+            ),
+            advice: "stay below this pressure, or make the walls that bulge thicker or shorter; the shape at the last pressure shows \
+                     which"
+                .into(),
+        });
+    }
+    if is_chatter {
+        return Some(Reason {
+            kind: ReasonKind::WallsCross,
+            is_physical: false,
+            message: format!("the contact between chambers does not settle beyond {reached}: {cause}"),
+            advice: "try a finer mesh (mesh.resolution), or half or twice the contact.stiffness".into(),
+        });
+    }
+    Some(Reason {
+        kind: ReasonKind::NotConverged,
+        is_physical: false,
+        message: format!("Newton's method finds no equilibrium beyond {reached}, and it is not clear why: {cause}"),
+        advice: "try smaller steps (solver.max_step_kpa, solver.min_step_kpa), another mesh.resolution, or a lower \
+                 material.bulk_modulus"
+            .into(),
+    })
+}
+
+/// Where the material has no stiffness left, in words.
+fn material_gives_way(problem: &Problem, displacement: &[[f64; 3]]) -> Option<String> {
+    let stress = recover(problem, displacement).ok()?;
+    let beyond = stress.beyond_limit(problem);
+    let (element, point, limit) =
+        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let [x, y, z] = point.position;
+    Some(format!(
+        "the material gives way: in element {} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and beyond {limit:.2} \
+         these constants have no stiffness left ({} integration points)",
+        element,
+        point.invariant_minus_3,
+        beyond.len()
+    ))
+}
+
+/// What to be careful about in results; `case` is that of an actuator.
+pub fn warnings(clock: Clock, case: Option<&Case>, steps: &[StepSummary]) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let mut add = |kind, at: Option<&StepSummary>, message: String, advice: &str| {
+        let time = at.and_then(|step| step.time);
+        let pressure_kpa = at.filter(|step| step.time.is_none()).map(|step| step.pressure_kpa);
+        found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
+    };
+    let when = |step: &StepSummary| clock.words(step.when());
+    if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
+        let message = worst.warning.clone().unwrap_or_default();
+        let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
+        add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
+    }
+    let Some(case) = case else { return found };
+    let thinnest = case.actuator.thinnest_wall();
+    let is_deep = |step: &StepSummary| step.contact.max_penetration_mm > PENETRATION_SHARE * thinnest;
+    if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
+        let message = format!(
+            "walls of neighbouring chambers pass through each other by {:.3} mm at {} kPa; the thinnest wall has {thinnest:.3} mm",
+            last.contact.max_penetration_mm, last.pressure_kpa
+        );
+        let advice = match case.contact.method {
+            ContactMethod::None => "contact is switched off: set contact.method to multi-point".into(),
+            ContactMethod::SinglePoint => {
+                "single-point contact lets walls through: set contact.method to multi-point".into()
+            }
+            ContactMethod::MultiPoint => format!("raise contact.stiffness, which is {}", case.contact.stiffness),
+        };
+        add(WarningKind::Penetration, Some(first), message, &advice);
+    }
+    if let (Some(first), _) =
+        first_and_last(steps, |step| step.end_face_angle_deg.is_some_and(|angle| angle.abs() > 360.0))
+    {
+        let message = "the body has curled through more than a full turn; contact is modelled between neighbouring chambers only, other \
+                       parts may overlap";
+        add(WarningKind::Overlap, Some(first), message.into(), "look at the shape before relying on it");
+    }
+    if let Some((message, advice)) = coarse_mesh(case) {
+        add(WarningKind::CoarseMesh, None, message, advice);
+    }
+    found
+}
+
+fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
+    let advice = "use mesh.resolution = \"standard\" or \"fine\" before relying on numbers; `pneuflex converge` gives error bars";
+    let mesh = &case.mesh;
+    if mesh.resolution == Some(Resolution::Draft) && mesh.size.is_none() && mesh.edge_size.is_none() {
+        let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
+        return Some((message.into(), advice));
+    }
+    let is_linear = !mesh.formulation().element.is_quadratic();
+    let size = mesh.mesh_size(&case.actuator);
+    let across = case.actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
+    (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| {
+        let message = "one linear element across the thinnest wall bends too stiffly: displacements come out several per cent too small";
+        (message.into(), advice)
+    })
+}
+
+fn first_and_last<'a>(
+    steps: &'a [StepSummary],
+    holds: impl Fn(&StepSummary) -> bool,
+) -> (Option<&'a StepSummary>, Option<&'a StepSummary>) {
+    let mut those = steps.iter().filter(|step| holds(step));
+    let first = those.next();
+    (first, those.last().or(first))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneuflex_model::LoadParameter;
+    use pneuflex_newton::Stability;
+
+    fn case(change: &str) -> Case {
+        toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", change)).unwrap()
+    }
+
+    fn problem() -> Problem {
+        Problem::from_case(&case("size = 2.0\nelement = \"hex8-q1p0\"")).unwrap()
+    }
+
+    fn failure(cause: Cause, softening: f64) -> Failure {
+        let stability = Stability { softening, negative_pivots: 0 };
+        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure }
+    }
+
+    #[test]
+    fn reasons_follow_from_the_state() {
+        let problem = problem();
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        let diverged = Cause::Diverged { correction: 1.0 };
+        let kind = |failure: &Failure, u: &[[f64; 3]]| explain(&problem, failure, u).map(|reason| reason.kind);
+        assert_eq!(kind(&failure(Cause::Interrupted, 1.0), &rest), None);
+        assert_eq!(kind(&failure(diverged.clone(), 1.5), &rest), Some(ReasonKind::NotConverged));
+        assert_eq!(kind(&failure(diverged.clone(), 30.0), &rest), Some(ReasonKind::Instability));
+        let indefinite = Cause::IndefiniteTangent { negative_pivots: 1 };
+        assert_eq!(kind(&failure(indefinite, 1.0), &rest), Some(ReasonKind::Instability));
+        let chatter = Cause::ContactChatter { least: 1, most: 9 };
+        assert_eq!(kind(&failure(chatter, 1.0), &rest), Some(ReasonKind::WallsCross));
+        // Plane stretch to 8 is beyond the paper's limit of 54.83.
+        let stretched: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|x| [7.0 * x[0], 0.0, -0.875 * x[2]]).collect();
+        let reason = explain(&problem, &failure(diverged, 1.0), &stretched).unwrap();
+        assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MaterialLimit, true));
+        assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);
+    }
+
+    #[test]
+    fn meshes_are_warned_about() {
+        let kinds = |change: &str| -> Vec<_> {
+            let case = case(change);
+            warnings(Clock::Pressure, Some(&case), &[]).into_iter().map(|w| w.kind).collect()
+        };
+        assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);
+        assert_eq!(kinds("resolution = \"standard\""), []);
+        assert_eq!(kinds("size = 2.0\nelement = \"hex8-q1p0\""), [WarningKind::CoarseMesh]);
+        assert_eq!(kinds("size = 0.5\nelement = \"hex8-q1p0\""), []);
+    }
+}

@@ -1,0 +1,383 @@
+//! Reading a case or model file and changes to it, with errors that name file, line, key and allowed range.
+//!
+//! Everything wrong with a case is said at once: what cannot be read is mended for the time being (a misspelt key gets its nearest
+//! name, a wrong value its default) and reading goes on, see [`repair`].
+//!
+//! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
+//! span of the merged document is a place in exactly one of the texts.
+
+mod repair;
+mod suggest;
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pneuflex_model::model_file::Model;
+use pneuflex_model::{Case, CaseError};
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::input_error::{InputError, Origin, Place};
+use crate::store::Store;
+use repair::{Repair, Repairs};
+
+/// Problems of a file that are said at the most.
+const MOST_PROBLEMS: usize = 30;
+
+/// What a file in TOML describes.
+pub trait Document: DeserializeOwned {
+    /// Every key whose value is out of range.
+    fn problems(&self) -> Vec<CaseError>;
+}
+
+impl Document for Case {
+    fn problems(&self) -> Vec<CaseError> {
+        Self::problems(self)
+    }
+}
+
+impl Document for Model {
+    fn problems(&self) -> Vec<CaseError> {
+        Self::problems(self)
+    }
+}
+
+/// The case file of an actuator.
+pub type CaseFile = Written<Case>;
+
+/// Another value for a key of a case or model file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The key, e.g. `actuator.gap`.
+    pub key: String,
+    /// The value in TOML; what is no TOML is taken as a text without quotes.
+    pub value: String,
+}
+
+impl Change {
+    /// Sets `key` to `value`.
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.into() }
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, self.value)
+    }
+}
+
+/// A case or a model together with where its values come from.
+#[derive(Clone, Debug)]
+pub struct Written<T> {
+    /// The case, every value within its range.
+    pub case: T,
+    path: PathBuf,
+    sources: Sources,
+    keys: Vec<Key>,
+}
+
+/// The texts a document is made of, as if they stood one after the other.
+#[derive(Clone, Debug)]
+struct Sources {
+    texts: Vec<Text>,
+}
+
+#[derive(Clone, Debug)]
+struct Text {
+    name: String,
+    origin: Origin,
+    start: usize,
+    text: Arc<str>,
+}
+
+/// Where a key and its value stand.
+#[derive(Clone, Debug)]
+struct Key {
+    path: String,
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+impl<T: Document> Written<T> {
+    /// Reads and checks a case file with changes to it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not UTF-8 or not TOML; every unknown, missing or misplaced key and every value out of range.
+    pub fn load(path: &Path, changes: &[Change]) -> Result<Self, Vec<InputError>> {
+        Self::from_text(path, Store::Disk.text(path)?, changes)
+    }
+
+    /// The same from a text; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_text(path: &Path, text: impl Into<Arc<str>>, changes: &[Change]) -> Result<Self, Vec<InputError>> {
+        let name = path.display().to_string();
+        let mut sources = Sources { texts: vec![Text { name, origin: Origin::File, start: 0, text: text.into() }] };
+        for change in changes {
+            sources.push_change(change)?;
+        }
+        let padded: Vec<String> =
+            sources.texts[1..].iter().map(|t| format!("{}{}", " ".repeat(t.start), t.text)).collect();
+        let syntax = |error: &toml::de::Error| {
+            let place = error.span().map(|span| sources.place(span));
+            InputError::new(format!("not valid TOML: {}", plain_types(&one_line(error.message())))).at(place)
+        };
+        let mut document = DeTable::parse(&sources.texts[0].text).map_err(|e| syntax(&e))?;
+        for text in &padded {
+            let change = DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner();
+            make_way_for_resolution(document.get_mut(), &change);
+            merge(document.get_mut(), change);
+        }
+        let mut keys = Vec::new();
+        collect(document.get_ref(), "", &mut keys);
+        let (case, errors) = deserialize(&mut document, &sources, &keys);
+        match case {
+            Some(case) if errors.is_empty() => Ok(Self { case, path: path.to_owned(), sources, keys }),
+            _ => Err(errors),
+        }
+    }
+
+    /// Turns a range error into one that shows where the value stands.
+    pub fn out_of_range(&self, error: &CaseError) -> InputError {
+        out_of_range(error, &self.sources, &self.keys)
+    }
+
+    /// Name of the case file without folder and extension.
+    pub fn stem(&self) -> String {
+        self.path.file_stem().map_or_else(|| "case".into(), |s| s.to_string_lossy().into_owned())
+    }
+
+    /// Path of the case file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Reads the case, and says everything that is wrong with it.
+fn deserialize<T: Document>(
+    document: &mut Spanned<DeTable<'_>>,
+    sources: &Sources,
+    keys: &[Key],
+) -> (Option<T>, Vec<InputError>) {
+    let mut errors = Vec::new();
+    let mut repairs = Repairs::default();
+    while errors.len() < MOST_PROBLEMS {
+        let error = match T::deserialize(toml::Deserializer::from(document.clone())) {
+            Ok(case) => {
+                let problems = case.problems();
+                let said = problems.iter().filter(|problem| !repairs.touch(&problem.key));
+                let said = said.take(MOST_PROBLEMS - errors.len());
+                errors.extend(said.map(|problem| out_of_range(problem, sources, keys)));
+                errors.sort_by_key(InputError::position);
+                return (Some(case), errors);
+            }
+            Err(error) => error,
+        };
+        let (said, repair) = describe(&error, sources, keys);
+        let is_news = !repairs.touch(repair.path());
+        if is_news {
+            errors.push(said);
+        }
+        if !repairs.apply(repair, document.get_mut()) {
+            break;
+        }
+    }
+    errors.sort_by_key(InputError::position);
+    (None, errors)
+}
+
+fn out_of_range(error: &CaseError, sources: &Sources, keys: &[Key]) -> InputError {
+    InputError::new(error.to_string()).of_key(&error.key).at(Some(place_of(&error.key, sources, keys)))
+}
+
+/// Where a key stands; if it is not written out, where the nearest table around it does.
+fn place_of(key: &str, sources: &Sources, keys: &[Key]) -> Place {
+    let mut wanted = key;
+    loop {
+        if let Some(found) = keys.iter().find(|k| k.path == wanted) {
+            return sources.place(found.key.start..found.value.end.max(found.key.end));
+        }
+        match wanted.rfind(['.', '[']) {
+            Some(end) => wanted = &wanted[..end],
+            None => return sources.place(0..0),
+        }
+    }
+}
+
+impl Sources {
+    fn push_change(&mut self, change: &Change) -> Result<(), InputError> {
+        let Change { key, value } = change;
+        // A value that is no TOML is a bare string, as in `mesh.element=hex8-q1p0`.
+        let plain = change.to_string();
+        let quoted = format!("{key}={}", toml::Value::from(value.trim()));
+        let text = [plain, quoted].into_iter().find(|text| DeTable::parse(text).is_ok());
+        let start = self.texts.last().map_or(0, |t| t.start + t.text.len() + 1);
+        let Some(text) = text.filter(|_| !key.trim().is_empty() && !value.trim().is_empty()) else {
+            let (name, text) = (change.to_string(), Arc::from(change.to_string()));
+            let place = Place::new(&name, Origin::Change, text, 0..key.len());
+            return Err(InputError::new(format!("`{}` is not a key", key.trim())).of_key(key).at(Some(place)));
+        };
+        self.texts.push(Text { name: change.to_string(), origin: Origin::Change, start, text: text.into() });
+        Ok(())
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
+        let Text { name, origin, start, text } = &self.texts[index];
+        Place::new(name, *origin, text.clone(), span.start - start..span.end.max(span.start) - start)
+    }
+}
+
+/// Whether a text describes a model rather than an actuator with nothing but air in it: a table `model`, or times instead of
+/// pressures. A text that cannot be read does neither.
+pub fn is_model(text: &str) -> bool {
+    let Ok(document) = DeTable::parse(text) else { return false };
+    let load = document.get_ref().get("load").and_then(|load| load.get_ref().as_table());
+    document.get_ref().contains_key("model") || load.is_some_and(|load| load.contains_key("times"))
+}
+
+/// A resolution that is set replaces what the file says of the mesh: beside it, those keys would win.
+fn make_way_for_resolution(document: &mut DeTable<'_>, change: &DeTable<'_>) {
+    let mesh = change.get("mesh").and_then(|mesh| mesh.get_ref().as_table());
+    let old = document.get_mut("mesh").map(Spanned::get_mut);
+    if let (Some(_), Some(DeValue::Table(old))) = (mesh.and_then(|mesh| mesh.get("resolution")), old) {
+        for key in ["size", "edge_size", "wall_elements", "element"] {
+            old.remove(key);
+        }
+    }
+}
+
+fn merge<'a>(into: &mut DeTable<'a>, changes: DeTable<'a>) {
+    for (key, value) in changes {
+        let existing = into.get_mut(key.get_ref().as_ref()).map(Spanned::get_mut);
+        match (existing, value) {
+            (Some(DeValue::Table(old)), value) if value.get_ref().is_table() => {
+                if let DeValue::Table(new) = value.into_inner() {
+                    merge(old, new);
+                }
+            }
+            (_, value) => {
+                // Removed first, because an insertion keeps the old key with its old place.
+                into.remove(key.get_ref().as_ref());
+                into.insert(key, value);
+            }
+        }
+    }
+}
+
+fn collect(table: &DeTable<'_>, prefix: &str, keys: &mut Vec<Key>) {
+    for (key, value) in table {
+        let path = if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
+        collect_value(value, &path, keys);
+        keys.push(Key { path, key: key.span(), value: value.span() });
+    }
+}
+
+fn collect_value(value: &Spanned<DeValue<'_>>, path: &str, keys: &mut Vec<Key>) {
+    match value.get_ref() {
+        DeValue::Table(table) => collect(table, path, keys),
+        DeValue::Array(entries) => {
+            for (i, entry) in entries.iter().enumerate() {
+                let path = format!("{path}[{i}]");
+                collect_value(entry, &path, keys);
+                keys.push(Key { path, key: entry.span(), value: entry.span() });
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Puts a reader's error into words about keys, with what lets the reader go on.
+fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputError, Repair) {
+    let message = one_line(error.message());
+    let span = error.span().unwrap_or(0..0);
+    // The innermost key whose name or value is at the error's place.
+    let holds = |range: &Range<usize>| range.start <= span.start && span.start < range.end.max(range.start + 1);
+    let key = keys
+        .iter()
+        .filter(|k| holds(&k.key) || holds(&k.value))
+        .min_by_key(|k| if holds(&k.key) { k.key.len() } else { k.value.len() });
+    let path = key.map_or("", |k| k.path.as_str());
+    let place = Some(sources.place(span.clone()));
+    let did_you_mean = |name: &str| format!("did you mean `{name}`?");
+
+    if let Some((_, rest)) = message.split_once("unknown field `") {
+        let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
+        let allowed = quoted(expected);
+        let known =
+            if allowed.is_empty() { String::new() } else { format!("; known keys here: {}", allowed.join(", ")) };
+        let meant = suggest::closest(name, allowed.iter().copied());
+        let path = if path.is_empty() { name } else { path };
+        let repair = match meant {
+            Some(meant) => Repair::Rename { path: path.into(), to: meant.into() },
+            None => Repair::Remove(path.into()),
+        };
+        let error = InputError::new(format!("unknown key `{path}`{known}")).of_key(path);
+        return (error.at(place).with_help(meant.map(did_you_mean)), repair);
+    }
+    if let Some((_, rest)) = message.split_once("unknown variant `") {
+        let (name, expected) = rest.split_once('`').unwrap_or((rest, ""));
+        let allowed = quoted(expected);
+        let help = suggest::closest(name, allowed.iter().copied()).map(did_you_mean);
+        let message = format!("{path} = {name:?} is not allowed: must be one of {}", allowed.join(", "));
+        return (InputError::new(message).of_key(path).at(place).with_help(help), Repair::Remove(path.into()));
+    }
+    if let Some((_, rest)) = message.split_once("missing field `") {
+        let name = rest.split('`').next().unwrap_or(rest);
+        let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        let help = Some("`pneuflex new two-chamber` writes a complete case file to compare with; the guide has all keys of model files".to_owned());
+        let error = InputError::new(format!("key `{path}` is missing")).of_key(&path).at(place).with_help(help);
+        return (error, Repair::StandIn(path));
+    }
+    if let Some((_, rest)) = message.split_once("misplaced field `") {
+        let (name, why) = rest.split_once("`: ").unwrap_or((rest, ""));
+        let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        let place = Some(place_of(&path, sources, keys));
+        let error = InputError::new(format!("key `{path}` is out of place: {why}")).of_key(&path).at(place);
+        return (error, Repair::Remove(path));
+    }
+    let text = plain_types(&message);
+    let error = match path {
+        "" => InputError::new(text),
+        path => InputError::new(format!("{path}: {text}")).of_key(path),
+    };
+    (error.at(place), Repair::Remove(path.into()))
+}
+
+/// The words between backquotes.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+fn one_line(message: &str) -> String {
+    message.lines().collect::<Vec<_>>().join("; ")
+}
+
+/// Says what a type is to somebody who writes TOML.
+fn plain_types(message: &str) -> String {
+    let words = [
+        ("invalid type: ", "wrong type: "),
+        ("floating point ", "number "),
+        ("expected f64", "expected a number"),
+        ("expected usize", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list"),
+        ("a boolean", "true or false"),
+        (", expected nothing", ""),
+        ("map", "a table"),
+        ("sequence", "a list"),
+    ];
+    let text = words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to));
+    // Names of structs mean nothing outside this program.
+    match text.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a table"),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod fuzz;

@@ -1,0 +1,319 @@
+//! What a problem was understood as, before it is solved.
+
+use std::fmt;
+
+use pneuflex_model::load::Load;
+use pneuflex_model::{Case, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape};
+use pneuflex_post::stress::material_limit;
+use pneuflex_post::summary::{ProbeSite, probe_sites};
+
+use crate::analysis::{Analysis, Description};
+use crate::words::{plural, size, thousands};
+
+/// What would be solved, as data and as a text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overview {
+    /// Title.
+    pub title: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of elements.
+    pub elements: usize,
+    /// Number of unknown displacements.
+    pub unknowns: usize,
+    /// Volume of the solid, mm³.
+    pub volume_mm3: f64,
+    /// Peak memory that solving will need, about, bytes.
+    pub memory_bytes: f64,
+    /// What is there, in words.
+    pub rows: Vec<OverviewRow>,
+}
+
+/// A part of what would be solved.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OverviewRow {
+    /// What kind of part, e.g. `support`; empty if the row goes on about the one before.
+    pub kind: &'static str,
+    /// What it is.
+    pub text: String,
+}
+
+impl Analysis {
+    /// What would be solved.
+    pub fn overview(&self) -> Overview {
+        Overview::of(self)
+    }
+}
+
+impl Overview {
+    fn of(analysis: &Analysis) -> Self {
+        let mesh = &analysis.problem.mesh;
+        let rows = match &analysis.description {
+            Description::Actuator(case) => rows_of_actuator(case, &analysis.problem),
+            Description::Model(..) | Description::Body(_) => rows_of_model(analysis),
+        };
+        Self {
+            title: analysis.title.clone(),
+            nodes: mesh.num_nodes(),
+            elements: mesh.num_elements(),
+            unknowns: analysis.problem.num_unknowns(),
+            volume_mm3: mesh.volume(),
+            memory_bytes: analysis.estimate().bytes,
+            rows,
+        }
+    }
+}
+
+impl fmt::Display for Overview {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.title.is_empty() {
+            writeln!(f, "{}", self.title)?;
+        }
+        for OverviewRow { kind, text } in &self.rows {
+            writeln!(f, "{kind:<9} {text}")?;
+        }
+        writeln!(f, "memory    about {}", size(self.memory_bytes))
+    }
+}
+
+/// Rows that are being put together.
+#[derive(Default)]
+struct Rows(Vec<OverviewRow>);
+
+impl Rows {
+    fn add(&mut self, kind: &'static str, text: String) {
+        self.0.push(OverviewRow { kind, text });
+    }
+}
+
+fn number(n: usize) -> String {
+    thousands(n as u64)
+}
+
+fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
+    let mut rows = Rows::default();
+    let mesh = &problem.mesh;
+    let actuator = &case.actuator;
+    rows.add(
+        "body",
+        format!(
+            "{}, {} mm x {} mm x {} mm, {} model, {:.6} mm3 of solid",
+            plural(actuator.chambers, "chamber"),
+            actuator.length(),
+            actuator.width,
+            actuator.height,
+            format!("{:?}", actuator.part).to_lowercase(),
+            mesh.volume()
+        ),
+    );
+    rows.add(
+        "mesh",
+        format!(
+            "{} nodes, {} elements {}, {} unknowns",
+            number(mesh.num_nodes()),
+            number(mesh.num_elements()),
+            case.mesh.formulation(),
+            number(problem.num_unknowns())
+        ),
+    );
+    let material = &case.material;
+    rows.add(
+        "material",
+        format!(
+            "{}, {} invariant: {}, bulk modulus {} MPa",
+            material.law.name(),
+            format!("{:?}", material.invariant).to_lowercase(),
+            material.law,
+            material.bulk_modulus
+        ),
+    );
+    if let Some(limit) = material_limit(material) {
+        rows.add("", format!("gives way where the invariant exceeds 3 by {limit:.2}"));
+    } else if material.law.reduced_polynomial().is_none() {
+        rows.add("", "whether and where it gives way is not checked for this law".into());
+    }
+    for support in &problem.supports {
+        let held = axes(support.axes);
+        rows.add("support", format!("{}: {} nodes held in {held}", support.name, number(support.nodes.len())));
+    }
+    for (name, nodes) in &mesh.node_sets {
+        rows.add("nodes", format!("{name}: {}", number(nodes.len())));
+    }
+    for (name, facets) in &mesh.facet_sets {
+        rows.add("faces", format!("{name}: {}", number(facets.len())));
+    }
+    let faces: usize = problem.contact_pairs.iter().map(|p| p.slave.len()).sum();
+    let (method, per_face) = match case.contact.method {
+        ContactMethod::None => ("none", 0),
+        ContactMethod::SinglePoint => ("single-point", 1),
+        ContactMethod::MultiPoint => ("multi-point", 16),
+    };
+    rows.add(
+        "contact",
+        format!(
+            "{method}, {} with {} contact points, {} N/mm3",
+            plural(problem.contact_pairs.len(), "gap"),
+            number(faces * per_face),
+            case.contact.stiffness
+        ),
+    );
+    for thing in &problem.obstacles {
+        rows.add("obstacle", obstacle(thing));
+    }
+    let pressures: Vec<String> = case.load.pressure_kpa.iter().map(f64::to_string).collect();
+    let faces = number(problem.cavity_facets().len());
+    rows.add("load", format!("{} kPa on {faces} faces", pressures.join(", ")));
+    for (name, site) in probe_sites(mesh, &case.probes) {
+        rows.add("probe", probe(&name, &site));
+    }
+    rows.0
+}
+
+fn axes(held: [bool; 3]) -> String {
+    ["x", "y", "z"].iter().zip(held).filter(|(_, held)| *held).map(|(axis, _)| *axis).collect()
+}
+
+fn probe(name: &str, site: &ProbeSite) -> String {
+    let [x, y, z] = site.at;
+    let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };
+    format!("{name}: node {} at ({x}, {y}, {z}){far}", site.node)
+}
+
+/// What an obstacle is.
+fn obstacle(obstacle: &Obstacle) -> String {
+    let shape = match &obstacle.shape {
+        Shape::Plane { .. } => "plane".to_owned(),
+        Shape::Sphere { radius, .. } => format!("sphere of radius {radius} mm"),
+        Shape::Cylinder { radius, .. } => format!("cylinder of radius {radius} mm"),
+        Shape::Cuboid { size: [x, y, z], .. } => format!("cuboid, {x} mm x {y} mm x {z} mm"),
+    };
+    let faces = plural(obstacle.facets.len(), "face");
+    format!("{}: {shape}, {faces} may touch it, {:.4} N/mm3", obstacle.name, obstacle.stiffness)
+}
+
+/// What the parts of a model are.
+fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
+    let Analysis { problem, requested, .. } = analysis;
+    let mesh = &problem.mesh;
+    let mut rows = Rows::default();
+    let mut row = |kind: &'static str, what: String| rows.add(kind, what);
+    row(
+        "body",
+        format!(
+            "{} nodes, {} elements {}, {} unknowns, {:.6} mm3",
+            number(mesh.num_nodes()),
+            number(mesh.num_elements()),
+            problem.formulation,
+            number(problem.num_unknowns()),
+            mesh.volume()
+        ),
+    );
+    let (_, of_element) = problem.materials();
+    let plain = of_element.iter().filter(|region| **region == 0).count();
+    if plain > 0 {
+        row("material", material("", plain, &problem.material));
+    }
+    for region in &problem.regions {
+        row("material", material(&format!("{}: ", region.name), region.elements.len(), &region.material));
+    }
+    for (kind, sets) in [
+        ("nodes", mesh.node_sets.iter().map(|(name, nodes)| (name, nodes.len())).collect::<Vec<_>>()),
+        ("elements", mesh.element_sets.iter().map(|(name, elements)| (name, elements.len())).collect()),
+        ("faces", mesh.facet_sets.iter().map(|(name, facets)| (name, facets.len())).collect()),
+    ] {
+        for (name, count) in sets {
+            row(kind, format!("{name}: {}", number(count)));
+        }
+    }
+    for support in &problem.supports {
+        let axes = axes(support.axes);
+        let held = format!("{}: {} held in {axes}", support.name, plural(support.nodes.len(), "node"));
+        let moved = support.motion.as_ref().map_or(String::new(), |motion| {
+            format!(", moved by {:?} mm times {}", motion.displacement, curve(&motion.curve, 1.0))
+        });
+        row("support", held + &moved);
+    }
+    if !problem.equations.is_empty() {
+        let terms: usize = problem.equations.iter().map(|equation| equation.terms.len()).sum();
+        row("equations", format!("{} with {}", number(problem.equations.len()), plural(terms, "term")));
+    }
+    for cavity in &problem.cavities {
+        let control = match &cavity.control {
+            Control::Pressure(pressure) => format!("pressure {} kPa", curve(pressure, 1000.0)),
+            Control::Volume(volume) => format!("pumped in {} mm3", curve(volume, 1.0)),
+            Control::Gas(gas) => format!(
+                "gas {} of what fills it at {} kPa, exponent {}",
+                curve(&gas.amount, 1.0),
+                1000.0 * gas.atmosphere,
+                gas.exponent
+            ),
+        };
+        row("cavity", format!("{}: {}, {control}", cavity.name, plural(cavity.facets.len(), "face")));
+    }
+    for load in &problem.loads {
+        match load {
+            Load::Force { nodes, force, curve: by } => {
+                row("force", format!("{force:?} N on {} times {}", plural(nodes.len(), "node"), curve(by, 1.0)));
+            }
+            Load::Traction { facets, traction, curve: by } => {
+                let faces = plural(facets.len(), "face");
+                row("traction", format!("{traction:?} MPa on {faces} times {}", curve(by, 1.0)));
+            }
+            Load::Pressure { facets, curve: by } => {
+                row("pressure", format!("{} kPa on {}", curve(by, 1000.0), plural(facets.len(), "face")));
+            }
+            Load::Gravity { elements, acceleration, curve: by } => {
+                let count = elements.as_ref().map_or(mesh.num_elements(), Vec::len);
+                let on = plural(count, "element");
+                row("gravity", format!("{acceleration:?} mm/s2 on {on} times {}", curve(by, 1.0)));
+            }
+        }
+    }
+    for pair in &problem.contact_pairs {
+        let [slave, master] = [&pair.slave, &pair.master].map(|facets| plural(facets.len(), "face"));
+        row("contact", format!("{}: {slave} against {master}", pair.name));
+    }
+    for thing in &problem.obstacles {
+        row("obstacle", obstacle(thing));
+    }
+    let times: Vec<String> = requested.iter().map(ToString::to_string).collect();
+    row("times", times.join(", "));
+    for (name, site) in probe_sites(mesh, &analysis.probes) {
+        row("probe", probe(&name, &site));
+    }
+    rows.0
+}
+
+fn material(name: &str, elements: usize, material: &Material) -> String {
+    let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
+    format!(
+        "{name}{} of {}: {}, bulk modulus {} MPa{density}",
+        plural(elements, "element"),
+        material.law.name(),
+        material.law,
+        material.bulk_modulus
+    )
+}
+
+/// A curve in words, its values times a factor.
+fn curve(curve: &Curve, factor: f64) -> String {
+    match curve {
+        Curve::Proportional(slope) => format!("{} x time", factor * slope),
+        Curve::Table(points) => {
+            let shown = |[time, value]: &[f64; 2]| format!("{} at {time}", round(factor * value));
+            match &points[..] {
+                [[_, value]] => round(factor * value).to_string(),
+                points if points.len() <= 6 => points.iter().map(shown).collect::<Vec<_>>().join(", "),
+                points => {
+                    let ends = [&points[0], &points[points.len() - 1]].map(shown);
+                    format!("{} ... {} ({} points)", ends[0], ends[1], points.len())
+                }
+            }
+        }
+    }
+}
+
+/// Without the digits that a change of units leaves behind.
+fn round(x: f64) -> f64 {
+    format!("{x:.9e}").parse().unwrap_or(x)
+}

@@ -1,0 +1,302 @@
+//! What a run leaves on disk, kept up to date while it goes on.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Write;
+use std::time::Instant;
+
+use pneuflex_model::Clock;
+use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, Timing};
+use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
+use pneuflex_post::vtu::{SeriesEntry, series};
+use serde::Serialize;
+
+use crate::analysis::Analysis;
+use crate::checkpoint_file::{self, Recorded};
+use crate::derived;
+use crate::diagnosis::{Reason, Warning};
+use crate::error::{ResultsError, end_in_words};
+use crate::files::{Files, INCLUDED, INPUT, included_name};
+use crate::folder::{CASE_MARK, OutputFolder};
+use crate::json;
+use crate::observer::{End, Event, Observer, ReachedState};
+
+/// File of the iterations, one a line.
+const HISTORY: &str = "history.jsonl";
+
+/// `summary.json`. Its keys are a contract: later versions add to them.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    program: &'static str,
+    version: &'static str,
+    title: &'a str,
+    status: Status,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure_reason: Option<&'a Reason>,
+    warnings: Vec<Warning>,
+    mesh: MeshSummary,
+    probes: &'a BTreeMap<String, ProbeSite>,
+    steps: Vec<Step<'a>>,
+    iterations_total: usize,
+    timing: RunTiming,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Status {
+    Running,
+    Converged,
+    NotConverged,
+    Interrupted,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct MeshSummary {
+    nodes: usize,
+    elements: usize,
+    unknowns: usize,
+    element: &'static str,
+}
+
+/// A requested pressure: reached, or the one at which the run ended.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Step<'a> {
+    Reached(&'a StepSummary),
+    Missed(Missed),
+}
+
+/// The pressure (kPa) or time at which the run ended.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Missed {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<f64>,
+    pressure_kpa: f64,
+    converged: bool,
+    iterations: usize,
+}
+
+/// A line of `history.jsonl`.
+#[derive(Debug, Serialize)]
+struct Line<'a> {
+    #[serde(flatten)]
+    record: &'a IterationRecord,
+    /// The time of an actuator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure_kpa: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct RunTiming {
+    #[serde(flatten)]
+    path: Timing,
+    /// Derived quantities and files.
+    output_s: f64,
+}
+
+/// How a run ended, for the summary.
+#[derive(Debug)]
+struct Ending {
+    status: Status,
+    failure: Option<String>,
+    reason: Option<Reason>,
+    missed: Option<Missed>,
+}
+
+/// Writes the output folder of a run: the resolved case, the history of iterations, a checkpoint at every load step, the summary and the
+/// fields.
+pub struct Recorder<'a> {
+    folder: OutputFolder,
+    history: File,
+    history_bytes: u64,
+    analysis: &'a Analysis,
+    mesh: MeshSummary,
+    probes: BTreeMap<String, ProbeSite>,
+    steps: Vec<StepSummary>,
+    iterations: usize,
+    timing: RunTiming,
+    series: Vec<SeriesEntry>,
+    began: Instant,
+    /// Iterations reported since the last requested time that was reached.
+    open_iterations: usize,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts the output of a run, or goes on with what was recorded up to a checkpoint: the resolved case, the history, the
+    /// summary.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn new(folder: OutputFolder, analysis: &'a Analysis, recorded: Recorded) -> Result<Self, ResultsError> {
+        let problem = &analysis.problem;
+        let mesh = MeshSummary {
+            nodes: problem.mesh.num_nodes(),
+            elements: problem.mesh.num_elements(),
+            unknowns: problem.num_unknowns(),
+            element: problem.formulation.name(),
+        };
+        let resolved = analysis.resolved().map_err(|e| ResultsError::not_representable("case.toml", e))?;
+        let version = env!("CARGO_PKG_VERSION");
+        let header = format!("{CASE_MARK} {version}: the case as it was solved, with every default\n\n");
+        folder.write("case.toml", header + &resolved)?;
+        let files = analysis.files().map_err(|e| ResultsError::not_representable("input", e))?;
+        if let Some(files) = files {
+            store_input(&folder, &files)?;
+        }
+        let history = folder.append(HISTORY, recorded.history_bytes)?;
+        let length = history.metadata().map_err(|e| folder.cannot_write(HISTORY, e))?.len();
+        let mut recorder = Self {
+            folder,
+            history,
+            history_bytes: recorded.history_bytes.min(length),
+            analysis,
+            mesh,
+            probes: probe_sites(&problem.mesh, &analysis.probes),
+            steps: Vec::new(),
+            iterations: 0,
+            timing: RunTiming { output_s: recorded.output_s, ..RunTiming::default() },
+            series: Vec::new(),
+            began: Instant::now(),
+            open_iterations: 0,
+        };
+        for step in recorded.steps {
+            recorder.list_fields(step.when().0);
+            recorder.iterations += step.iterations;
+            recorder.steps.push(step);
+        }
+        recorder.write_summary(None)?;
+        Ok(recorder)
+    }
+
+    /// Lists the field files of the next state in the series, as far as they are there.
+    fn list_fields(&mut self, time: f64) {
+        for (part, name) in ["step", "contact"].into_iter().enumerate() {
+            let file = format!("{name}_{:02}.vtu", self.steps.len() + 1);
+            if self.folder.path().join("fields").join(&file).is_file() {
+                self.series.push(SeriesEntry { time, part, file });
+            }
+        }
+    }
+
+    fn iteration(&mut self, record: &IterationRecord) -> Result<(), ResultsError> {
+        // A correction with the factor of the one before is no iteration of its own.
+        let is_new = usize::from(record.new_tangent);
+        self.iterations += is_new;
+        self.open_iterations += is_new;
+        let pressure_kpa = (self.analysis.problem.clock == Clock::Pressure).then_some(record.parameter.0);
+        let line = json::line(&Line { record, pressure_kpa });
+        let line = line.map_err(|why| ResultsError::not_representable(HISTORY, why))?;
+        self.history_bytes += line.len() as u64;
+        self.history.write_all(line.as_bytes()).map_err(|e| self.folder.cannot_write(HISTORY, e))
+    }
+
+    /// Records an accepted load step, to go on from if the run ends here.
+    fn step_accepted(&mut self, path: &Checkpoint) -> Result<(), ResultsError> {
+        let began = Instant::now();
+        let steps = self.steps.clone();
+        let recorded = Recorded { steps, history_bytes: self.history_bytes, output_s: self.timing.output_s };
+        // The checkpoint counts on the history's lines.
+        self.history.sync_data().map_err(|e| self.folder.cannot_write(HISTORY, e))?;
+        checkpoint_file::store(&self.folder, &recorded, path)?;
+        self.timing.output_s += began.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn state(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
+        let began = Instant::now();
+        if self.analysis.fields {
+            self.write_fields(state)?;
+        }
+        self.steps.push(state.summary.clone());
+        self.timing.output_s += state.seconds + began.elapsed().as_secs_f64();
+        self.timing.path.total_s = self.began.elapsed().as_secs_f64();
+        self.open_iterations = 0;
+        self.write_summary(None)
+    }
+
+    fn write_fields(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
+        let problem = &self.analysis.problem;
+        let time = state.equilibrium.parameter.0;
+        let (body, walls) = derived::field_files(problem, state.described, state.equilibrium)?;
+        let number = self.steps.len() + 1;
+        for (name, text) in [("step", Some(body)), ("contact", walls)] {
+            if let Some(text) = text {
+                self.folder.write(&format!("fields/{name}_{number:02}.vtu"), &text)?;
+            }
+        }
+        self.list_fields(time);
+        self.folder.write("fields/series.pvd", series(&self.series))
+    }
+
+    fn ending(&self, end: &End<'_>) -> Ending {
+        // A path that was stopped because of an error has not been interrupted by anybody.
+        let failure = match (end.error, end.failure) {
+            (Some(error), _) => Some(error.to_string()),
+            (None, failure) => failure.map(|failure| end_in_words(failure, end.reason)),
+        };
+        let status = match (&failure, end.failure) {
+            (None, _) => Status::Converged,
+            (_, Some(Failure { cause: Cause::Interrupted, .. })) if end.error.is_none() => Status::Interrupted,
+            _ => Status::NotConverged,
+        };
+        let next = self.analysis.requested.get(self.steps.len()).copied();
+        let missed = next.filter(|_| status == Status::NotConverged && end.error.is_none()).map(|at| {
+            let time = (self.analysis.problem.clock == Clock::Steps).then_some(at.0);
+            Missed { time, pressure_kpa: at.0, converged: false, iterations: self.open_iterations }
+        });
+        Ending { status, failure, reason: end.reason.cloned(), missed }
+    }
+
+    fn write_summary(&self, ending: Option<&Ending>) -> Result<(), ResultsError> {
+        let mut steps: Vec<Step<'_>> = self.steps.iter().map(Step::Reached).collect();
+        steps.extend(ending.and_then(|ending| ending.missed).map(Step::Missed));
+        let summary = Summary {
+            program: "pneuflex",
+            version: env!("CARGO_PKG_VERSION"),
+            title: &self.analysis.title,
+            status: ending.map_or(Status::Running, |ending| ending.status),
+            failure: ending.and_then(|ending| ending.failure.as_deref()),
+            failure_reason: ending.and_then(|ending| ending.reason.as_ref()),
+            warnings: self.analysis.warnings(&self.steps),
+            mesh: self.mesh,
+            probes: &self.probes,
+            steps,
+            iterations_total: self.iterations,
+            timing: self.timing,
+        };
+        let text = json::pretty(&summary).map_err(|why| ResultsError::not_representable("summary.json", why))?;
+        self.folder.write("summary.json", text)
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn observe(&mut self, event: &Event<'_>) -> Result<(), ResultsError> {
+        match event {
+            Event::StepStarted { .. } | Event::StepRejected { .. } => Ok(()),
+            Event::Iteration(record) => self.iteration(record),
+            Event::StepAccepted(checkpoint) => self.step_accepted(checkpoint),
+            Event::State(state) => self.state(state),
+        }
+    }
+
+    fn finish(&mut self, end: &End<'_>) -> Result<(), ResultsError> {
+        self.timing.path = end.report.timing;
+        self.iterations = end.report.iterations;
+        self.write_summary(Some(&self.ending(end)))
+    }
+}
+
+/// Copies the files of a body, by which the results can be shown later.
+fn store_input(folder: &OutputFolder, files: &Files) -> Result<(), ResultsError> {
+    if !files.bytes.is_empty() {
+        folder.write(&format!("{INPUT}/{}", files.name), &files.bytes)?;
+    }
+    for (number, (_, bytes)) in files.included.iter().enumerate() {
+        folder.write(&format!("{INPUT}/{}", included_name(number)), bytes)?;
+    }
+    let names: Vec<&str> = files.included.iter().map(|(name, _)| name.as_str()).collect();
+    let names = json::pretty(&names).map_err(|why| ResultsError::not_representable(INCLUDED, why))?;
+    folder.write(&format!("{INPUT}/{INCLUDED}"), names)
+}

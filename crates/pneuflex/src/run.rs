@@ -1,0 +1,298 @@
+//! Following an analysis through its times, with observers.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use pneuflex_model::LoadParameter;
+use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure, Path, PathReport};
+use pneuflex_post::summary::{ProbeSite, probe_sites};
+
+use crate::analysis::Analysis;
+use crate::checkpoint_file::{Recorded, Start};
+use crate::derived;
+use crate::diagnosis::explain;
+use crate::error::{Error, ResultsError, Unfinished};
+use crate::folder::OutputFolder;
+use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
+use crate::recorder::Recorder;
+use crate::solution::Solution;
+
+/// Where results are recorded, and whether an earlier run is gone on with.
+enum Recording {
+    Fresh(PathBuf),
+    Continued(PathBuf),
+    Opened(OutputFolder, Start),
+}
+
+/// A run that is being prepared: observers, threads, a way to stop it, where it begins, where it is recorded.
+pub struct Run<'a> {
+    analysis: &'a Analysis,
+    observers: Vec<Box<dyn Observer + 'a>>,
+    threads: Option<usize>,
+    stop: StopToken,
+    from: Option<Checkpoint>,
+    recording: Option<Recording>,
+    keeps_fields: bool,
+}
+
+impl Analysis {
+    /// A run of this analysis, to be given observers and so on before it is solved.
+    pub fn run(&self) -> Run<'_> {
+        Run::new(self)
+    }
+
+    /// Solves it from rest through all times.
+    ///
+    /// # Errors
+    /// [`Error::Setup`], [`Error::NotConverged`] with what was reached, or [`Error::Results`].
+    pub fn solve(&self) -> Result<Solution, Error> {
+        self.run().solve()
+    }
+}
+
+impl<'a> Run<'a> {
+    fn new(analysis: &'a Analysis) -> Self {
+        Self {
+            analysis,
+            observers: Vec::new(),
+            threads: None,
+            stop: StopToken::new(),
+            from: None,
+            recording: None,
+            keeps_fields: true,
+        }
+    }
+
+    /// Tells a closure what happens. It is called on the thread that solves.
+    pub fn observer(self, listener: impl FnMut(&Event<'_>) + Send + 'a) -> Self {
+        self.observe_with(Listener(listener))
+    }
+
+    /// Tells an observer that has something to do at the end, or may fail.
+    pub fn observe_with(mut self, observer: impl Observer + 'a) -> Self {
+        self.observers.push(Box::new(observer));
+        self
+    }
+
+    /// Number of threads; all of the machine's if nothing is said.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+
+    /// Ends with [`Error::Interrupted`] before the next iteration once `token` is stopped.
+    pub fn stop(mut self, token: &StopToken) -> Self {
+        self.stop = token.clone();
+        self
+    }
+
+    /// Goes on from a load step that an observer was told of, by [`Event::StepAccepted`], as if the run had never ended.
+    pub fn resume_from(mut self, checkpoint: Checkpoint) -> Self {
+        self.from = Some(checkpoint);
+        self
+    }
+
+    /// Records the run in a folder, which is made if need be: summary, history of iterations, fields, checkpoints. Results of an earlier
+    /// run in it are replaced; a folder that holds anything else is refused.
+    pub fn record(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.recording = Some(Recording::Fresh(folder.into()));
+        self
+    }
+
+    /// Goes on with the run that a folder holds, and records it there; from rest where there is nothing to go on with.
+    pub fn resume(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.recording = Some(Recording::Continued(folder.into()));
+        self
+    }
+
+    /// Records the run in a folder that is open already, from where [`OutputFolder::start`] says.
+    pub fn record_in(mut self, folder: OutputFolder, start: Start) -> Self {
+        self.recording = Some(Recording::Opened(folder, start));
+        self
+    }
+
+    /// Keeps no displacements of the states that are reached, only their summaries.
+    pub fn without_fields(mut self) -> Self {
+        self.keeps_fields = false;
+        self
+    }
+
+    /// Follows the equilibria from rest, or from where it was said, through the analysis's times.
+    ///
+    /// # Errors
+    /// [`Error::Setup`]; [`Error::NotConverged`] and [`Error::Interrupted`] with what was reached; [`Error::Input`] for a folder that cannot be used;
+    /// [`Error::Results`] for results that could not be derived or recorded.
+    pub fn solve(self) -> Result<Solution, Error> {
+        let Some(threads) = self.threads else { return self.follow() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_err(|source| Error::Threads { threads, source })?.install(|| self.follow())
+    }
+
+    fn follow(mut self) -> Result<Solution, Error> {
+        let analysis = self.analysis;
+        let mut states = Vec::new();
+        if let Some((folder, start)) = self.recording.take().map(|recording| recording.open(analysis)).transpose()? {
+            let recorded = match start {
+                Start::Complete(states) => {
+                    let warnings = analysis.warnings(&states);
+                    return Ok(Solution { states, warnings, ..Solution::default() });
+                }
+                Start::From(earlier) => {
+                    self.from = Some(earlier.1);
+                    earlier.0
+                }
+                Start::AtRest => {
+                    folder.clear()?;
+                    Recorded::default()
+                }
+            };
+            states.clone_from(&recorded.steps);
+            // First, so that nobody hears of a state that could not be recorded.
+            self.observers.insert(0, Box::new(Recorder::new(folder, analysis, recorded)?));
+        }
+        let reached = self.from.as_ref().map_or(LoadParameter::default(), |checkpoint| checkpoint.parameter);
+        let is_left = |at: &LoadParameter| states.last().is_none_or(|last| *at > last.when()) && *at >= reached;
+        let remaining: Vec<LoadParameter> = analysis.requested.iter().copied().filter(is_left).collect();
+        let last_equilibrium = match &self.from {
+            Some(checkpoint) => checkpoint.displacement.clone(),
+            None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
+        };
+        let mut audience = Audience {
+            analysis,
+            sites: probe_sites(&analysis.problem.mesh, &analysis.probes),
+            observers: self.observers,
+            last_equilibrium,
+            found: Solution { states, ..Solution::default() },
+            keeps_fields: self.keeps_fields,
+            error: None,
+            token: self.stop,
+            stop: Arc::new(AtomicBool::new(false)),
+        };
+        let result = audience.follow(&remaining, self.from);
+        audience.finish(result)
+    }
+}
+
+impl Recording {
+    fn open(self, analysis: &Analysis) -> Result<(OutputFolder, Start), Error> {
+        Ok(match self {
+            Self::Fresh(path) => (OutputFolder::prepare(&path)?, Start::AtRest),
+            Self::Continued(path) => {
+                let folder = OutputFolder::prepare(&path)?;
+                let start = folder.start(analysis)?;
+                (folder, start)
+            }
+            Self::Opened(folder, start) => (folder, start),
+        })
+    }
+}
+
+/// Those who listen, and what is kept for the end.
+struct Audience<'a> {
+    analysis: &'a Analysis,
+    sites: BTreeMap<String, ProbeSite>,
+    observers: Vec<Box<dyn Observer + 'a>>,
+    /// Displacements of the last accepted load step, mm.
+    last_equilibrium: Vec<[f64; 3]>,
+    found: Solution,
+    keeps_fields: bool,
+    /// First thing that could not be derived or recorded; nobody is told anything after it.
+    error: Option<ResultsError>,
+    token: StopToken,
+    /// Stops this path alone.
+    stop: Arc<AtomicBool>,
+}
+
+impl Audience<'_> {
+    /// Follows the path from rest or from a checkpoint.
+    fn follow(
+        &mut self,
+        parameters: &[LoadParameter],
+        from: Option<Checkpoint>,
+    ) -> Result<PathReport, Box<(Failure, PathReport)>> {
+        let Analysis { problem, solver, .. } = self.analysis;
+        let unable = |cause: Cause| {
+            let attempted = parameters.first().copied().unwrap_or_default();
+            Box::new((Failure::at_rest(problem.clock, attempted, cause), PathReport::default()))
+        };
+        let mut path = Path::new(problem, solver).map_err(|e| unable(e.into()))?;
+        path.stop_when(Arc::clone(&self.stop));
+        if let Some(checkpoint) = from {
+            path.resume(checkpoint).map_err(|e| unable(e.into()))?;
+        }
+        for &parameter in parameters {
+            if let Err(failure) = path.advance_and_tell(parameter, &mut |event| self.hear(event)) {
+                return Err(Box::new((failure, path.report())));
+            }
+        }
+        Ok(path.report())
+    }
+
+    /// Passes on what the path says.
+    fn hear(&mut self, event: newton::Event<'_>) {
+        let done = match event {
+            _ if self.error.is_some() => Ok(()),
+            newton::Event::StepStarted { step, parameter } => self.tell(&Event::StepStarted { step, parameter }),
+            newton::Event::Iteration(record) => self.tell(&Event::Iteration(record)),
+            newton::Event::StepRejected { step, parameter, cause } => {
+                self.tell(&Event::StepRejected { step, parameter, cause })
+            }
+            newton::Event::StepAccepted(checkpoint) => {
+                self.last_equilibrium.clone_from(&checkpoint.displacement);
+                self.tell(&Event::StepAccepted(checkpoint))
+            }
+            newton::Event::Converged(equilibrium) => self.state(equilibrium),
+        };
+        if let Err(error) = done {
+            self.error = Some(error);
+        }
+        if self.error.is_some() || self.token.is_stopped() {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn tell(&mut self, event: &Event<'_>) -> Result<(), ResultsError> {
+        self.observers.iter_mut().try_for_each(|observer| observer.observe(event))
+    }
+
+    fn state(&mut self, equilibrium: &ConvergedState) -> Result<(), ResultsError> {
+        let began = Instant::now();
+        let described = derived::describe(&self.analysis.problem, &self.sites, equilibrium)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let state = ReachedState { summary: &described.summary, equilibrium, described: &described, seconds };
+        self.tell(&Event::State(state))?;
+        self.found.states.push(described.summary);
+        if self.keeps_fields {
+            self.found.fields.push(equilibrium.clone());
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, result: Result<PathReport, Box<(Failure, PathReport)>>) -> Result<Solution, Error> {
+        let (report, failure) = match result {
+            Ok(report) => (report, None),
+            Err(ended) => (ended.1, Some(ended.0)),
+        };
+        let explained = |failure| explain(&self.analysis.problem, failure, &self.last_equilibrium);
+        let reason = failure.as_ref().and_then(explained);
+        let (failed, explained) = (failure.as_ref(), reason.as_ref());
+        let mut error = self.error.take();
+        for observer in &mut self.observers {
+            let end = End { report: &report, failure: failed, reason: explained, error: error.as_ref() };
+            if let Err(new) = observer.finish(&end) {
+                error.get_or_insert(new);
+            }
+        }
+        let PathReport { iterations, timing } = report;
+        let warnings = self.analysis.warnings(&self.found.states);
+        let reached = Solution { warnings, iterations, timing, ..self.found };
+        match (error, failure) {
+            (Some(error), _) => Err(error.into()),
+            (None, Some(failure)) => Err(Unfinished { failure, reason, reached }.into_error()),
+            (None, None) => Ok(reached),
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What is to be studied, as it is described: keys can be set before anything is built.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pneuflex_model::Case;
+use pneuflex_model::model_file::{Model, Source};
+
+use crate::analysis::{Analysis, Guard};
+use crate::body_file::is_deck;
+use crate::document::{CaseFile, Change, Written, is_model};
+use crate::error::Error;
+use crate::input_error::{InputError, Origin, Place};
+use crate::memory::{Estimate, MemoryLimit};
+use crate::solution::Solution;
+use crate::store::Store;
+
+/// A case file, a model file or a deck, read and checked as far as its text goes.
+///
+/// Nothing is meshed before [`Study::build`], so that a study is cheap to copy and to change: a sweep sets keys on copies of one.
+#[derive(Clone, Debug)]
+pub struct Study {
+    path: PathBuf,
+    store: Store,
+    text: Arc<str>,
+    changes: Vec<Change>,
+    described: Described,
+}
+
+#[derive(Clone, Debug)]
+enum Described {
+    Actuator(CaseFile),
+    Model(Box<Written<Model>>),
+    Deck,
+}
+
+impl Study {
+    /// Reads a case file or a model file (TOML), or takes an input deck (`.inp`).
+    ///
+    /// # Errors
+    /// [`Error::Input`] with everything that is wrong with a case or model file. Decks and meshes are read by [`Self::build`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::load_with(path, Vec::new())
+    }
+
+    /// The same with changes to keys, which may mend what is missing in the file.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn load_with(path: impl AsRef<Path>, changes: Vec<Change>) -> Result<Self, Error> {
+        Self::from_store(path.as_ref(), Store::Disk, changes)
+    }
+
+    /// The same from the text of a case file, a model file or a deck, which is called `name` in messages; a name that ends in `.inp` is
+    /// that of a deck.
+    ///
+    /// # Errors
+    /// As for [`Self::load`].
+    pub fn from_text(name: &str, text: &str) -> Result<Self, Error> {
+        Self::from_files(name, [(name.to_owned(), text.as_bytes().to_vec())])
+    }
+
+    /// The same from files in memory: the one called `name` and what it refers to, meshes and included decks.
+    ///
+    /// # Errors
+    /// As for [`Self::load`].
+    pub fn from_files(name: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Result<Self, Error> {
+        let files: BTreeMap<_, _> = files.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
+        Self::from_store(Path::new(name), Store::Memory(Arc::new(files)), Vec::new())
+    }
+
+    /// An actuator's case that was put together in memory.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with every value that is out of range.
+    pub fn actuator(case: &Case) -> Result<Self, Error> {
+        let text = toml::to_string(case).map_err(|error| InputError::new(error.to_string()))?;
+        Self::from_text("case.toml", &text)
+    }
+
+    fn from_store(path: &Path, store: Store, changes: Vec<Change>) -> Result<Self, Error> {
+        let text: Arc<str> = if is_deck(path) { Arc::from("") } else { store.text(path)?.into() };
+        let described = read(path, &text, &changes)?;
+        Ok(Self { path: path.to_owned(), store, text, changes, described })
+    }
+
+    /// Sets a key, e.g. `actuator.gap` to `1.5` or `mesh.element` to `hex8-q1p0`. The value is TOML; what is no TOML is taken as a text.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such key or the value is out of range; the study is then as it was.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<&mut Self, Error> {
+        let mut changes = self.changes.clone();
+        changes.push(Change::new(key, value));
+        self.described = read(&self.path, &self.text, &changes)?;
+        self.changes = changes;
+        Ok(self)
+    }
+
+    /// The values of an actuator's case file; `None` for models and decks.
+    pub fn case(&self) -> Option<&Case> {
+        match &self.described {
+            Described::Actuator(file) => Some(&file.case),
+            Described::Model(_) | Described::Deck => None,
+        }
+    }
+
+    /// The values of a model file; `None` for actuators and decks.
+    pub fn model(&self) -> Option<&Model> {
+        match &self.described {
+            Described::Model(file) => Some(&file.case),
+            Described::Actuator(_) | Described::Deck => None,
+        }
+    }
+
+    /// Size and memory as far as they follow from an actuator's lengths, before anything is meshed; `None` for models and decks.
+    pub fn estimate(&self) -> Option<Estimate> {
+        self.case().map(Estimate::of)
+    }
+
+    /// Path of the file, or the name that stands for it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Meshes the body and puts the problem together, unless it needs more memory than there is.
+    ///
+    /// # Errors
+    /// [`Error::Input`]: lengths that make no body, a deck or a mesh that cannot be read or solved, sets that do not exist, an obstacle that
+    /// overlaps the body, a body that is too large.
+    pub fn build(&self) -> Result<Analysis, Error> {
+        self.build_within(MemoryLimit::Available)
+    }
+
+    /// The same within another limit.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn build_within(&self, limit: MemoryLimit) -> Result<Analysis, Error> {
+        Ok(self.build_guarded(&|estimate| estimate.within(limit))?)
+    }
+
+    /// The same; `guard` says from its size whether a body may be built, and what to warn of.
+    pub(crate) fn build_guarded(&self, guard: Guard<'_>) -> Result<Analysis, Vec<InputError>> {
+        match &self.described {
+            Described::Actuator(file) => Analysis::of_case_file(file, guard),
+            Described::Model(file) => {
+                let say = |error| file.out_of_range(&error);
+                Analysis::of_model(&self.store, &self.path, file.case.clone(), guard, &say)
+            }
+            Described::Deck => {
+                let file = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+                let model = Model { model: Some(Source { file, scale: 1.0 }), ..Model::default() };
+                let say = |error| InputError::about_file(&self.path, error);
+                Analysis::of_model(&self.store, &self.path, model, guard, &say)
+            }
+        }
+    }
+
+    /// Builds and solves it from rest through all pressures or times.
+    ///
+    /// # Errors
+    /// As for [`Self::build`] and [`Analysis::solve`].
+    pub fn solve(&self) -> Result<Solution, Error> {
+        self.build()?.solve()
+    }
+}
+
+fn read(path: &Path, text: &Arc<str>, changes: &[Change]) -> Result<Described, Vec<InputError>> {
+    if is_deck(path) {
+        return match changes.first() {
+            None => Ok(Described::Deck),
+            Some(change) => {
+                let name = change.to_string();
+                let place = Place::new(&name, Origin::Change, name.as_str().into(), 0..change.key.len());
+                let help = "write a model file around the deck: [model] with file = \"...\"".to_owned();
+                let error = InputError::new("a deck has no keys to change").of_key(&change.key);
+                Err(error.at(Some(place)).with_help(Some(help)).into())
+            }
+        };
+    }
+    if is_model(text) {
+        return Ok(Described::Model(Box::new(Written::from_text(path, text.clone(), changes)?)));
+    }
+    Ok(Described::Actuator(CaseFile::from_text(path, text.clone(), changes)?))
+}

@@ -1,0 +1,51 @@
+//! Numbers in words.
+
+/// Bytes in words.
+pub fn size(bytes: f64) -> String {
+    const MIB: f64 = 1024.0 * 1024.0;
+    if bytes < 1024.0 * MIB {
+        format!("{:.0} MiB", (bytes / MIB).max(1.0))
+    } else if bytes < 1e6 * 1024.0 * MIB {
+        let gibibytes = bytes / (1024.0 * MIB);
+        if gibibytes < 1000.0 { format!("{gibibytes:.1} GiB") } else { format!("{} GiB", count(gibibytes)) }
+    } else {
+        "more than 1,000,000 GiB".into()
+    }
+}
+
+/// A large count in words.
+pub fn count(value: f64) -> String {
+    if value < 1e12 { thousands(value.round() as u64) } else { format!("{value:.1e}") }
+}
+
+/// A number with separators between its thousands.
+pub fn thousands(value: u64) -> String {
+    let digits = value.to_string();
+    let groups: Vec<&str> = {
+        let first = (digits.len() + 2) % 3 + 1;
+        let mut groups = vec![&digits[..first]];
+        groups.extend((first..digits.len()).step_by(3).map(|i| &digits[i..i + 3]));
+        groups
+    };
+    groups.join(",")
+}
+
+/// A number of things in words.
+pub fn plural(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(
+            ["7", "26,310", "1,268", "123,456,789"],
+            [7, 26_310, 1268, 123_456_789].map(thousands).each_ref().map(String::as_str)
+        );
+        assert_eq!((size(5e8), size(5e9)), ("477 MiB".into(), "4.7 GiB".into()));
+        assert_eq!(size(f64::INFINITY), "more than 1,000,000 GiB");
+    }
+}

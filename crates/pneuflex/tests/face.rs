@@ -1,0 +1,232 @@
+//! The library without the command line: from memory to results, folders, errors and back.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::PathBuf;
+
+use pneuflex::mesh::Facet;
+use pneuflex::model::{Formulation, Law, Material};
+use pneuflex::{
+    Analysis, Body, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, StopToken, Study, template,
+};
+
+/// Two chambers on a mesh that is solved in no time.
+fn coarse() -> Study {
+    let mut study = Study::from_text("finger.toml", &template::two_chambers()).unwrap();
+    study.set("mesh.size", "3").unwrap().set("mesh.element", "hex8-q1p0").unwrap();
+    study.set("load.pressure_kpa", "[1, 2, 3]").unwrap();
+    study
+}
+
+/// A cube of one hexahedron, 2 mm, on its bottom.
+fn cube() -> Body {
+    let nodes =
+        (0..8).map(|n| [2.0 * f64::from(n & 1), 2.0 * f64::from(n >> 1 & 1), 2.0 * f64::from(n >> 2)]).collect();
+    let mut cube = Body::new(Formulation::Hex8Q1p0, nodes, &[[0, 1, 3, 2, 4, 5, 7, 6]]).unwrap();
+    cube.material(Material::from(Law::NeoHooke { c10: 0.1 }))
+        .name_nodes("bottom", |[_, _, z]| z == 0.0)
+        .name_faces("top", |[_, _, z]| z == 2.0)
+        .hold("bottom", "xyz")
+        .pressure("top", 10.0)
+        .times([0.5, 1.0]);
+    cube
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("pneuflex-face-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&path);
+    path
+}
+
+#[test]
+fn what_is_handed_over_may_go_to_other_threads_and_outlive_its_maker() {
+    fn owned<T: Send + Sync + 'static>() {}
+    fn sendable<T: Send>() {}
+    owned::<(Study, Analysis, Body, Solution, StopToken)>();
+    owned::<Error>();
+    sendable::<Run<'_>>();
+}
+
+#[test]
+fn input_errors_have_key_place_and_help() {
+    let text = template::two_chambers().replace("gap = ", "gpa = ");
+    let Err(Error::Input(errors)) = Study::from_text("finger.toml", &text) else { panic!("it was read") };
+    let unknown = errors.iter().find(|error| error.key() == Some("actuator.gpa")).unwrap();
+    assert_eq!(unknown.help(), Some("did you mean `gap`?"));
+    assert_eq!(unknown.file().unwrap().to_str(), Some("finger.toml"));
+    let line = text.lines().position(|line| line.starts_with("gpa")).unwrap() + 1;
+    assert_eq!(unknown.line(), Some(line));
+
+    // A bad change leaves the study as it was.
+    let mut study = coarse();
+    let Err(Error::Input(errors)) = study.set("actuator.gap", "-1") else { panic!("it was set") };
+    assert_eq!(errors[0].key(), Some("actuator.gap"));
+    assert_eq!(study.case().unwrap().actuator.gap, 2.0);
+    assert!(matches!(study.set("actuator", ""), Err(Error::Input(_))));
+    study.set("actuator.gap", "1.5").unwrap();
+    assert_eq!(study.case().unwrap().actuator.gap, 1.5);
+}
+
+#[test]
+fn a_case_put_together_in_memory_is_the_one_of_its_file() {
+    let study = coarse();
+    let again = Study::actuator(study.case().unwrap()).unwrap();
+    assert_eq!(again.case().unwrap().resolved(), study.case().unwrap().resolved());
+    assert_eq!(again.build().unwrap().problem, study.build().unwrap().problem);
+}
+
+#[test]
+fn too_little_memory_is_an_error_that_can_be_overruled() {
+    let mut study = coarse();
+    study.set("mesh.size", "0.02").unwrap();
+    assert!(study.estimate().unwrap().bytes > 1e12);
+    let Err(Error::Input(errors)) = study.build() else { panic!("it was built") };
+    assert_eq!(errors[0].kind(), pneuflex::input_error::InputErrorKind::TooLarge);
+    assert!(study.estimate().unwrap().within(MemoryLimit::None).unwrap().is_some());
+}
+
+#[test]
+fn a_cube_under_pressure_is_pressed_down() {
+    let analysis = cube().analysis().unwrap();
+    let solution = analysis.solve().unwrap();
+    assert_eq!(solution.states.iter().map(|state| state.when().0).collect::<Vec<_>>(), [0.5, 1.0]);
+    let top = |state: usize| solution.fields[state].displacement[7][2];
+    assert!(top(1) < top(0) && top(0) < -1e-4, "{} {}", top(0), top(1));
+    // 10 kPa on 4 mm² by the bottom's reaction: N, upwards, a little more where the face has widened.
+    let reaction = solution.states[1].reactions["bottom"][2];
+    assert!((0.04..0.05).contains(&reaction), "{reaction}");
+    let described = analysis.describe(&solution.fields[1]).unwrap();
+    assert_eq!(described.summary, solution.states[1]);
+}
+
+#[test]
+fn bodies_that_make_no_sense_are_refused() {
+    let refused = |nodes: Vec<[f64; 3]>, cell: &[u32]| match Body::new(Formulation::Hex8Q1p0, nodes, &[cell]) {
+        Err(Error::Input(errors)) => errors[0].to_string(),
+        other => panic!("{other:?}"),
+    };
+    let nodes = vec![[0.0; 3]; 8];
+    assert!(refused(nodes.clone(), &[0, 1, 2]).contains("3 nodes instead of 8"));
+    assert!(refused(nodes.clone(), &[0, 1, 2, 3, 4, 5, 6, 8]).contains("node 8"));
+    assert!(refused(vec![[f64::NAN; 3]; 8], &[0, 1, 2, 3, 4, 5, 6, 7]).contains("not finite"));
+    let mut body = cube();
+    body.add_face_set("none", vec![Facet { element: 3, face: 0 }]);
+    assert!(matches!(body.analysis(), Err(Error::Input(errors)) if errors[0].to_string().contains("set none")));
+    let mut body = cube();
+    body.hold("nowhere", "x");
+    assert!(matches!(body.analysis(), Err(Error::Input(errors)) if errors[0].key() == Some("support[1].nodes")));
+    // All nodes in one place.
+    let flat = Body::new(Formulation::Hex8Q1p0, nodes, &[[0, 1, 2, 3, 4, 5, 6, 7]]).unwrap().times([1.0]).analysis();
+    assert!(matches!(flat.unwrap().solve(), Err(Error::Setup(_))));
+}
+
+#[test]
+fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
+    let analysis = coarse().build().unwrap();
+    let whole = analysis.solve().unwrap();
+    assert_eq!(whole.states.len(), 3);
+
+    let path = scratch("resumed");
+    let token = StopToken::new();
+    let mut checkpoint = None;
+    let stopped = analysis.run().stop(&token).record(&path).observer(|event| match event {
+        Event::StepAccepted(accepted) => checkpoint = Some((*accepted).clone()),
+        Event::State(state) if state.summary.pressure_kpa == 2.0 => {
+            token.stop();
+        }
+        _ => {}
+    });
+    let Err(Error::Interrupted(ended)) = stopped.solve() else { panic!("it went on") };
+    assert_eq!(ended.reached.states.len(), 2);
+    assert_eq!((ended.failure.reached.0, ended.reason.is_none()), (2.0, true));
+
+    let close = |a: &Solution, states: usize| {
+        assert_eq!(a.states.len(), states);
+        let (last, expected) = (a.states.last().unwrap(), whole.states.last().unwrap());
+        let [found, wanted] = [last, expected].map(|state| state.end_face_angle_deg.unwrap());
+        assert!((found / wanted - 1.0).abs() < 1e-9, "{found} {wanted}");
+        assert_eq!(a.iterations, whole.iterations);
+    };
+    // From memory the state at the checkpoint is reached once more.
+    close(&analysis.run().resume_from(checkpoint.unwrap()).solve().unwrap(), 2);
+    close(&analysis.run().resume(&path).solve().unwrap(), 3);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(path.join("summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["status"], "converged");
+    // Nothing is left to do.
+    let again = analysis.run().resume(&path).observer(|_| panic!("it was solved once more")).solve().unwrap();
+    assert_eq!(again.states.len(), 3);
+    fs::remove_dir_all(&path).unwrap();
+}
+
+#[test]
+fn a_body_from_memory_is_recorded_and_shown() {
+    let path = scratch("body");
+    cube().analysis().unwrap().run().record(&path).solve().unwrap();
+    let page = pneuflex::report_page::report_page(&path).unwrap();
+    assert!(page.contains("<html"), "{page:.200}");
+    // The folder is a model of its own.
+    let again = Study::load(path.join("case.toml")).unwrap().build().unwrap();
+    let (ours, theirs) = (cube().analysis().unwrap().problem, again.problem);
+    assert_eq!((ours.mesh, ours.supports, ours.loads), (theirs.mesh, theirs.supports, theirs.loads));
+    assert_eq!(cube().analysis().unwrap().run().resume(&path).solve().unwrap().states.len(), 2);
+    fs::remove_dir_all(&path).unwrap();
+}
+
+/// Fails at the second state.
+#[derive(Default)]
+struct Failing {
+    states: usize,
+    ended: Option<bool>,
+}
+
+impl Observer for &mut Failing {
+    fn observe(&mut self, event: &Event<'_>) -> Result<(), ResultsError> {
+        if let Event::State(_) = event {
+            self.states += 1;
+            if self.states == 2 {
+                return Err(ResultsError::not_representable("table.csv", "it is full"));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, end: &End<'_>) -> Result<(), ResultsError> {
+        self.ended = Some(end.error.is_some());
+        Ok(())
+    }
+}
+
+#[test]
+fn an_observer_that_fails_ends_the_run_and_no_other_one() {
+    let analysis = coarse().build().unwrap();
+    let token = StopToken::new();
+    let mut failing = Failing::default();
+    let result = analysis.run().stop(&token).observe_with(&mut failing).threads(1).solve();
+    assert!(matches!(result, Err(Error::Results(error)) if error.to_string() == "table.csv: it is full"));
+    assert_eq!((failing.states, failing.ended), (2, Some(true)));
+    assert!(!token.is_stopped());
+}
+
+#[test]
+fn decks_and_meshes_are_read_from_memory() {
+    let deck = "*HEADING\nA cube\n*INCLUDE, INPUT=mesh.inp\n*MATERIAL, NAME=M\n*HYPERELASTIC, NEO HOOKE\n0.1, 0.1\n\
+                *SOLID SECTION, ELSET=ALL, MATERIAL=M\n*BOUNDARY\nBOTTOM, 1, 3\n*STEP, NLGEOM\n*STATIC\n1, 1\n*CLOAD\nTIP, 3, 0.01\n*END STEP\n";
+    let mesh = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+                *ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=BOTTOM\n1, 2, 3, 4\n*NSET, NSET=TIP\n7\n";
+    let files =
+        [("cube.inp", deck), ("mesh.inp", mesh)].map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+    let mut study = Study::from_files("cube.inp", files.clone()).unwrap();
+    assert!(
+        matches!(study.set("load.times", "[1]"), Err(Error::Input(errors)) if errors[0].key() == Some("load.times"))
+    );
+    let analysis = study.build().unwrap();
+    assert_eq!((analysis.title.as_str(), analysis.overview().nodes), ("A cube", 8));
+    assert!(analysis.solve().unwrap().fields[0].displacement[6][2] > 1e-3);
+    // A file that is not among them is named.
+    let Err(Error::Input(errors)) = Study::from_files("cube.inp", files.into_iter().take(1)).unwrap().build() else {
+        panic!("it was built")
+    };
+    assert!(errors[0].to_string().contains("mesh.inp") && errors[0].line() == Some(3), "{}", errors[0]);
+}
