@@ -142,8 +142,25 @@ mod tests {
     use pneuflex_model::{ContactMethod, Curve, Formulation};
 
     use super::*;
+    use crate::ReferenceSolver;
     use crate::pressure::ACROSS_Y;
     use crate::testing::{check_derivatives, noise, two_chambers};
+
+    #[test]
+    fn a_volume_that_is_not_defined_is_refused_where_it_matters() {
+        let mut problem = two_chambers([8.0, 9.0, 8.0], 2.0, Formulation::Hex8Q1p0, ContactMethod::None);
+        problem.cavities[0].facets.pop();
+        let gas = Gas { atmosphere: 0.1, exponent: 1.0, amount: Curve::constant(2.0) };
+        for control in [Control::Volume(Curve::ZERO), Control::Gas(gas)] {
+            problem.cavities[0].control = control;
+            let error = ReferenceSolver::new(&problem).unwrap_err();
+            assert!(matches!(&error, ReferenceError::OpenCavity(open) if open.cavity == "cavity"), "{error}");
+        }
+        problem.cavities[0].control = Control::Pressure(Curve::constant(0.02));
+        let solver = ReferenceSolver::new(&problem).unwrap();
+        let (cavity, u) = (&solver.cavities()[0], vec![0.0; problem.num_dofs()]);
+        assert_eq!((cavity.volume(&u), cavity.pressure(&u, LoadParameter(1.0))), (None, 0.02));
+    }
 
     #[test]
     fn derivatives_of_the_energy_of_gas() {
