@@ -1,4 +1,4 @@
-//! Cavities by what is known about the fluid in them (theory §4, §13).
+//! Cavities by what is known about the fluid in them (theory §4.4).
 //!
 //! The energy is a function of the volume V alone: −p V for a given pressure p, −∫ p dV for gas with (p + p₀) Vⁿ = m p₀ V₀ⁿ. A
 //! liquid is incompressible: V = V₀ + ΔV is a constraint, and minus its multiplier the pressure. A surface that encloses no volume has

@@ -12,7 +12,7 @@
 //! * [`energy`]: the Yeoh energy of a deformation gradient (theory §3).
 //! * [`solid`]: the strain energy (theory §3).
 //! * [`pressure`], [`follower_pressure`]: pressure behind closed surfaces, which has a potential, and on any face (theory §4).
-//! * [`cavity`]: cavities with a given pressure, volume or amount of gas (theory §13).
+//! * [`cavity`]: cavities with a given pressure, volume or amount of gas (theory §4.4).
 //! * [`conservative_load`]: forces, tractions and weights.
 //! * [`contact`], [`closest_point`], [`obstacle`]: contact between surfaces and with rigid obstacles (theory §5).
 //! * [`kkt`]: the Newton system (theory §6).

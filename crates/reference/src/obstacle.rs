@@ -1,4 +1,4 @@
-//! Rigid obstacles: the energy ½ k ∫⟨−φ⟩² dA₀ with the signed distance φ of the deformed points, negative inside (theory §5).
+//! Rigid obstacles: the energy ½ k ∫⟨−φ⟩² dA₀ with the signed distance φ of the deformed points, negative inside (theory §5.6).
 
 use nalgebra::{DMatrix, DVector};
 use pneuflex_model::{LoadParameter, Motion, Obstacle, Problem, Shape};
