@@ -1,4 +1,4 @@
-//! Unknowns beside the displacements border the tangent: pressures of cavities whose volume or gas is given, multipliers of linear
+//! Unknowns beside the displacements border the tangent (theory §6.5): pressures of cavities whose volume or gas is given, multipliers of linear
 //! equations. Their equations are the contributions' ([`BorderedEquation`]); here they are solved.
 //!
 //! With g linearised as g + s Bᵀδu + h δy, the columns Y = −K⁻¹B, and a = −K⁻¹r the bordered system leaves

@@ -1,4 +1,4 @@
-//! The rotation update of displacements (theory §11; as in the rotation-strain warping of Huang et al. 2011).
+//! The rotation update of displacements (theory §12; as in the rotation-strain warping of Huang et al. 2011).
 //!
 //! A Newton correction δu of a bending body is mostly rotation, and a rotation applied along straight lines stretches
 //! everything. So the correction's gradient is taken as a rate: with D = δF F⁻¹ the deformation gradient aimed at is
@@ -155,34 +155,16 @@ impl RotationUpdate {
 /// Marks a node of every part of a mesh and every axis along which none of its nodes is held.
 fn with_a_held_node_in_every_part(mesh: &Mesh, held: &[bool]) -> Vec<bool> {
     let mut held = held.to_vec();
-    let mut part: Vec<usize> = (0..mesh.num_nodes()).collect();
-    // Every node's root is the smallest node of its part that is known so far.
-    fn root(part: &mut [usize], mut node: usize) -> usize {
-        while part[node] != node {
-            part[node] = part[part[node]];
-            node = part[node];
-        }
-        node
-    }
-    for element in 0..mesh.num_elements() {
-        let nodes = mesh.element(element);
-        for &node in &nodes[1..] {
-            let (a, b) = (root(&mut part, nodes[0] as usize), root(&mut part, node as usize));
-            part[a.max(b)] = a.min(b);
-        }
-    }
+    let first = mesh.parts();
     let mut is_held = vec![[false; 3]; mesh.num_nodes()];
     for node in 0..mesh.num_nodes() {
-        let first = root(&mut part, node);
         for axis in 0..3 {
-            is_held[first][axis] |= held[3 * node + axis];
+            is_held[first[node]][axis] |= held[3 * node + axis];
         }
     }
-    for node in 0..mesh.num_nodes() {
-        if part[node] == node {
-            for axis in 0..3 {
-                held[3 * node + axis] |= !is_held[node][axis];
-            }
+    for node in (0..mesh.num_nodes()).filter(|&node| first[node] == node) {
+        for axis in 0..3 {
+            held[3 * node + axis] |= !is_held[node][axis];
         }
     }
     held

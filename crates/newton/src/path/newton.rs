@@ -1,4 +1,4 @@
-//! Newton's method at one load.
+//! Newton's method at one load (theory §13).
 
 use super::{Converged, Path, Target};
 use crate::convergence::Criteria;
