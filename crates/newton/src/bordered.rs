@@ -60,7 +60,7 @@ mod tests {
         // δu = a + Y δy satisfies the equation.
         assert_eq!(equation.value + correction[0] + responses[0][0] * found[0], 0.0);
         assert_eq!(negative_eigenvalues(std::slice::from_ref(&equation), &responses), 1);
-        assert_eq!(violation(&[equation.clone()]), 1.5);
+        assert_eq!(violation(std::slice::from_ref(&equation)), 1.5);
         let repeated = [equation.clone(), equation];
         let twice = [responses[0].clone(), responses[0].clone()];
         assert_eq!(eliminate(&repeated, &twice, &correction), None);

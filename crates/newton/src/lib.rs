@@ -31,6 +31,8 @@ mod stability;
 pub mod state;
 pub mod system;
 pub mod tangent_solver;
+#[cfg(test)]
+mod testing;
 pub mod timing;
 mod unilateral;
 

@@ -16,6 +16,8 @@ use pneuflex_factor::{BlockPattern, Factor, FactorError, Ordering, Parallelism, 
 use pneuflex_mesh::{Mesh, with_num_nodes};
 use rayon::prelude::*;
 
+use crate::error::AssembleError;
+
 /// The Laplacians of a mesh, factorised.
 pub struct RotationUpdate {
     mesh: Arc<Mesh>,
@@ -72,7 +74,7 @@ impl RotationUpdate {
     ///
     /// # Errors
     /// If the state before the correction is turned inside out.
-    pub fn apply(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), LocalError> {
+    pub fn apply(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), AssembleError> {
         let rotation = Rotation { mesh: &self.mesh, points: &self.points, correction };
         self.assembler.reset(&mut self.totals, Request::Residual);
         self.assembler.add_changing(&rotation, displacement, Request::Residual, &mut self.totals)?;
@@ -85,10 +87,7 @@ impl RotationUpdate {
                 .flat_map(|&axis| (0..n).map(move |node| (node, axis)))
                 .map(|(node, axis)| if self.held[3 * node + axis] { 0.0 } else { self.totals.residual[node][axis] })
                 .collect();
-            // The factor and the right-hand sides have the sizes of the mesh: nothing can fail here.
-            if factor.solve_in_place(&mut rhs, axes.len()).is_err() {
-                rhs.fill(0.0);
-            }
+            factor.solve_in_place(&mut rhs, axes.len())?;
             for (&axis, values) in axes.iter().zip(rhs.chunks_exact(n)) {
                 for (node, value) in values.iter().enumerate() {
                     displacement[node][axis] += correction[node][axis] + value;

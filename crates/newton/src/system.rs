@@ -135,7 +135,8 @@ impl System {
         let pattern = Arc::clone(self.assembler.pattern());
         let factorised = Tangent::new(pattern, buffers, unsymmetric, linearisation, self.parallelism);
         self.timing.factor_s += start.elapsed().as_secs_f64();
-        let mut tangent = factorised.map_err(|(error, buffers)| {
+        let mut tangent = factorised.map_err(|ended| {
+            let (error, buffers) = *ended;
             self.buffers = Some(buffers);
             error
         })?;
@@ -200,8 +201,8 @@ impl System {
     /// Applies a correction found at a state: the mixed linearisation's stresses follow, displacements move by its rotation update.
     ///
     /// # Errors
-    /// [`LocalError`] if the state before the correction is turned inside out.
-    pub fn apply(&mut self, state: &mut State, correction: &Correction) -> Result<(), LocalError> {
+    /// [`AssembleError::Local`] if the state before the correction is turned inside out.
+    pub fn apply(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         self.predict(&state.displacement, Some(&correction.displacement));
         self.move_by(state, correction)
     }
@@ -210,7 +211,7 @@ impl System {
     ///
     /// # Errors
     /// As [`Self::apply`].
-    pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), LocalError> {
+    pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         let start = Instant::now();
         let moved = if correction.largest() < STRAIGHT_BELOW {
             let pairs = state.displacement.as_flattened_mut().iter_mut().zip(correction.displacement.as_flattened());
@@ -243,7 +244,10 @@ impl System {
     }
 
     /// Norm of the loads on the free degrees of freedom at a state, N: the scale of the residual.
-    pub fn load_norm(&mut self, state: &State) -> f64 {
+    ///
+    /// # Errors
+    /// [`LocalError`] of a load that cannot be evaluated.
+    pub fn load_norm(&mut self, state: &State) -> Result<f64, LocalError> {
         let mut totals = Totals::default();
         self.assembler.reset(&mut totals, Request::Residual);
         let mut index = 0;
@@ -253,14 +257,13 @@ impl System {
             if contribution.is_load() {
                 contribution.set_position(Position { bordered: own, ..state.position() });
                 if let Some(blocks) = contribution.blocks() {
-                    // Loads have no state that could fail.
-                    let _ = self.assembler.add(index, blocks, &state.displacement, Request::Residual, &mut totals);
+                    self.assembler.add(index, blocks, &state.displacement, Request::Residual, &mut totals)?;
                 }
                 contribution.add_forces(&mut totals.residual);
             }
             index += usize::from(has_fixed_blocks(contribution.as_ref()));
         }
-        self.free_norm(&totals.residual)
+        Ok(self.free_norm(&totals.residual))
     }
 
     /// Norm of a nodal field over the free degrees of freedom.
