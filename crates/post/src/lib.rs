@@ -9,7 +9,7 @@
 //! * [`contact`]: what the contact's own points carry.
 //! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
 //! * [`fields`], [`vtu`]: VTK XML files.
-//! * [`summary`]: all of it for one landed pressure, as `summary.json` has it.
+//! * [`summary`]: all of it for one reached pressure, as `summary.json` has it.
 //! * [`surface`], [`search`]: faces, and the closest point on a deformed surface, as the measures use them.
 //!
 //! Units: mm, N, MPa, mJ; displacements and reactions have one entry per node.
