@@ -134,8 +134,6 @@ mod tests {
     use pneuflex_mesh::ElementKind;
     use pneuflex_mesh::lattice::Lattice;
 
-    const KINDS: [ElementKind; 4] = ElementKind::ALL;
-
     fn bar(kind: ElementKind) -> Mesh {
         Lattice::uniform([0.0; 3], [3.0, 2.0, 1.0], [3, 2, 1]).mesh_all(kind)
     }
@@ -160,7 +158,7 @@ mod tests {
 
     #[test]
     fn tractions_have_the_resultant_of_a_uniform_load() {
-        for kind in KINDS {
+        for kind in ElementKind::ALL {
             let mesh = bar(kind);
             let end = mesh.select_facets(|x| x[0] == 3.0);
             let (force, moment) = resultant(&mesh, &traction_forces(&mesh, &end, [0.5, 0.0, -1.5]));
@@ -172,7 +170,7 @@ mod tests {
 
     #[test]
     fn weight_acts_at_the_centre_of_gravity_of_every_density() {
-        for kind in KINDS {
+        for kind in ElementKind::ALL {
             let mesh = bar(kind);
             // Twice as dense for x > 2: masses 4 and 4 at x = 1 and 2.5.
             let centre = |element: u32| -> f64 {

@@ -426,8 +426,6 @@ mod tests {
     use super::*;
     use crate::shape;
 
-    const KINDS: [ElementKind; 4] = ElementKind::ALL;
-
     fn size(h: f64) -> MeshSize {
         MeshSize::uniform(h)
     }
@@ -465,7 +463,7 @@ mod tests {
 
     #[test]
     fn default_half_models_have_the_volumes_of_the_theory() {
-        for kind in KINDS {
+        for kind in ElementKind::ALL {
             for h in [1.0, 2.0, 4.5] {
                 let two = build_actuator(&Actuator::two_chambers(), &size(h), kind).unwrap();
                 assert!((two.volume() - 1268.0).abs() < 1e-8, "{kind:?} at {h}: {}", two.volume());
@@ -496,7 +494,7 @@ mod tests {
     /// Single-point contact pairs the facets in the order of the sets: through the gap, they must coincide.
     #[test]
     fn walls_of_a_gap_correspond_facet_by_facet() {
-        for kind in KINDS {
+        for kind in ElementKind::ALL {
             let mesh = build_actuator(&Actuator::two_chambers(), &size(3.0), kind).unwrap();
             let [left, right] = ["gap_1_left", "gap_1_right"].map(|set| mesh.facet_set(set));
             assert_eq!(left.len(), right.len());
@@ -535,7 +533,7 @@ mod tests {
     /// Together with the clamp and the plane of symmetry the outer faces enclose the body with its air.
     #[test]
     fn outer_facets_enclose_body_and_air() {
-        for kind in KINDS {
+        for kind in ElementKind::ALL {
             for actuator in [Actuator::two_chambers(), Actuator { part: Part::Whole, ..Actuator::full() }] {
                 let mesh = build_actuator(&actuator, &size(4.5), kind).unwrap();
                 // On the clamp x is 0, and the normal of the plane of symmetry has no x: neither adds to the volume.

@@ -5,7 +5,7 @@ use std::ops::{Add, Sub};
 
 use serde::{Deserialize, Serialize};
 
-use crate::MPA_PER_KPA;
+use crate::units::MPA_PER_KPA;
 
 /// A position on a load path: what all loads, prescribed motions and obstacles are functions of (the load factor of continuation
 /// methods). It has no unit of its own; what it counts is said by the problem's [`Clock`](crate::Clock): the air pressure in kPa of an

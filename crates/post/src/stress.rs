@@ -353,11 +353,11 @@ mod tests {
     use pneuflex_model::Formulation;
 
     fn materials() -> Vec<Material> {
-        let logarithmic = pneuflex_laws::samples()
-            .into_iter()
-            .map(|material| Material { volumetric: Volumetric::Logarithmic, ..material })
-            .last();
-        pneuflex_laws::samples().into_iter().chain(logarithmic).collect()
+        let mut materials = pneuflex_laws::samples();
+        let logarithmic = materials.iter().take(1).cloned();
+        let logarithmic = logarithmic.map(|material| Material { volumetric: Volumetric::Logarithmic, ..material });
+        materials.extend(logarithmic.collect::<Vec<_>>());
+        materials
     }
 
     /// An affine map: every formulation has the same homogeneous stress and energy.

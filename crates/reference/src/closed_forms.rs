@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{ContactMethod, Formulation, Invariant, Material, Problem};
 
-use crate::testing::{FORMULATIONS, INVARIANTS, block, body, displacement, hold, material, two_blocks};
+use crate::testing::{INVARIANTS, block, body, displacement, hold, material, two_blocks};
 use crate::{Load, PathOptions, ReferenceError, ReferenceSolver, ReferenceState};
 
 /// One element, its faces at x = 0, y = 0, z = 0 on symmetry planes; displacements of the opposite faces along the
@@ -37,7 +37,7 @@ const STATES: [(&str, Stretches, [f64; 3]); 3] = [
 /// The pressures are unknowns of their own, so κ may be so large that nothing of compressibility is left.
 #[test]
 fn homogeneous_states_of_an_incompressible_cube() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for invariant in INVARIANTS {
             let material = Material { bulk_modulus: 1e8, ..material(invariant) };
             for (name, stretches, expected) in STATES {
@@ -83,7 +83,7 @@ fn uniaxial_stress_of_the_papers_material() {
     for invariant in INVARIANTS {
         for stretch in [0.7, 1.5, 2.0, 3.0] {
             let expected = uniaxial_stress(&material(invariant), stretch);
-            for formulation in FORMULATIONS {
+            for formulation in Formulation::ALL {
                 let (problem, load) = unit_cube(formulation, material(invariant), [Some(stretch), None, None]);
                 let state = ReferenceSolver::new(&problem).unwrap().follow(&[load], &PathOptions::default()).unwrap();
                 let found = nominal_stress(&problem, &state[0]);
@@ -97,7 +97,7 @@ fn uniaxial_stress_of_the_papers_material() {
 /// 0.1 + δ + 2 (1 − s).
 #[test]
 fn two_blocks_pressed_together() {
-    let cases = FORMULATIONS.map(|formulation| (formulation, ContactMethod::MultiPoint));
+    let cases = Formulation::ALL.map(|formulation| (formulation, ContactMethod::MultiPoint));
     // One point per facet loads the nodes of quadratic facets unevenly.
     for (formulation, method) in [(Formulation::Hex8Sri, ContactMethod::SinglePoint)].into_iter().chain(cases) {
         let mut problem = two_blocks(formulation, method, false);
@@ -152,7 +152,7 @@ const ISOCHORIC: fn([f64; 3]) -> [f64; 3] = |[x, y, z]| [x + 0.4 * y + 0.2 * z, 
 fn patch_test() {
     for invariant in INVARIANTS {
         let material = Material { bulk_modulus: 10.0, ..material(invariant) };
-        for formulation in FORMULATIONS {
+        for formulation in Formulation::ALL {
             let error = patch_error(formulation, material.clone(), false, GENERAL);
             assert!(error < 1e-9, "{formulation}, {invariant:?}: {error:.1e} mm");
             if formulation != Formulation::Hex8Sri {

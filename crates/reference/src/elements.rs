@@ -25,6 +25,16 @@ pub enum Span {
     TotalDegree2,
 }
 
+impl Span {
+    /// Whether the monomial with these exponents belongs to it.
+    pub fn holds(self, exponents: &[usize]) -> bool {
+        match self {
+            Self::Squares(most) => exponents.iter().filter(|&&e| e == 2).count() <= most,
+            Self::TotalDegree2 => exponents.iter().sum::<usize>() <= 2,
+        }
+    }
+}
+
 /// What an element's shape functions span.
 pub fn span_of_element(kind: ElementKind) -> Span {
     match kind {

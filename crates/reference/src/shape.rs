@@ -38,10 +38,7 @@ impl<const DIM: usize> ShapeFunctions<DIM> {
     fn from_nodes(nodes: &[[f64; DIM]], span: Span) -> Option<Self> {
         let exponents: Vec<[usize; DIM]> = (0..3_usize.pow(DIM as u32))
             .map(|code| std::array::from_fn(|d| code / 3_usize.pow(d as u32) % 3))
-            .filter(|exponents| match span {
-                Span::Squares(most) => exponents.iter().filter(|&&e| e == 2).count() <= most,
-                Span::TotalDegree2 => exponents.iter().sum::<usize>() <= 2,
-            })
+            .filter(|exponents| span.holds(exponents))
             .collect();
         let vandermonde = DMatrix::from_fn(exponents.len(), nodes.len(), |m, i| {
             (0..DIM).map(|d| nodes[i][d].powi(exponents[m][d] as i32)).product()

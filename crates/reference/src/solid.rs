@@ -335,11 +335,11 @@ mod tests {
     use pneuflex_model::Invariant;
 
     use super::*;
-    use crate::testing::{FORMULATIONS, INVARIANTS, block, body, check_derivatives, displacement, material, noise};
+    use crate::testing::{INVARIANTS, block, body, check_derivatives, displacement, material, noise};
 
     #[test]
     fn derivatives_of_the_primal_energy() {
-        for formulation in FORMULATIONS {
+        for formulation in Formulation::ALL {
             for invariant in INVARIANTS {
                 let mesh = block(formulation, [1.0, 1.2, 0.8], [2, 1, 1], 0.05);
                 let model = SolidModel::new(&body(mesh, formulation, material(invariant))).unwrap();
@@ -353,7 +353,7 @@ mod tests {
     fn derivatives_of_the_saddle_energy() {
         let logarithmic = Material { volumetric: Volumetric::Logarithmic, ..material(Invariant::Isochoric) };
         let materials = [material(Invariant::Isochoric), logarithmic];
-        for (formulation, material) in FORMULATIONS.into_iter().flat_map(|f| materials.clone().map(|m| (f, m))) {
+        for (formulation, material) in Formulation::ALL.into_iter().flat_map(|f| materials.clone().map(|m| (f, m))) {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
             let model = SolidModel::new(&body(mesh, formulation, material)).unwrap();
             let n = model.num_dofs();
@@ -370,7 +370,7 @@ mod tests {
     /// The volumetric energy as the module's text defines it, summed by hand.
     #[test]
     fn primal_energy_is_the_one_in_the_text() {
-        for formulation in FORMULATIONS {
+        for formulation in Formulation::ALL {
             let mut mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
             // One element: of the cube's tetrahedra, the first.
             mesh.connectivity.truncate(mesh.kind.num_nodes());
@@ -436,7 +436,7 @@ mod tests {
 
     #[test]
     fn rigid_rotations_leave_the_isochoric_solid_without_force() {
-        for formulation in FORMULATIONS {
+        for formulation in Formulation::ALL {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [2, 1, 1], 0.05);
             let model = SolidModel::new(&body(mesh.clone(), formulation, material(Invariant::Isochoric))).unwrap();
             for degrees in [1.0_f64, 45.0, 90.0, 180.0] {

@@ -5,7 +5,6 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Invariant, Material, Problem, Support};
 
-pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 
 pub fn material(invariant: Invariant) -> Material {

@@ -6,7 +6,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -27,7 +27,7 @@ const STEPS: u32 = 12;
 
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
-    FORMULATIONS
+    Formulation::ALL
         .into_iter()
         .map(|element| {
             let order = match element {

@@ -4,9 +4,6 @@ use pneuflex_mesh::Mesh;
 use pneuflex_model::{Formulation, Invariant, Material, Problem, Solver, Support};
 use pneuflex_newton::{ConvergedState, Event, Path, follow_path};
 
-/// All formulations.
-pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
-
 /// The material of the paper with the isochoric invariant and a bulk modulus, MPa.
 pub fn material(bulk_modulus: f64) -> Material {
     Material { bulk_modulus, invariant: Invariant::Isochoric, ..Material::default() }

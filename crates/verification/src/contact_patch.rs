@@ -6,7 +6,7 @@ use pneuflex_model::{Contact, ContactPair, Formulation, Problem};
 use pneuflex_post::stress;
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::homogeneous::bar_stress;
 use crate::row::Row;
 use crate::yeoh::root;
@@ -28,7 +28,7 @@ const WAY: f64 = 0.2;
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         let meshes: [usize; 2] = if element.element_kind().is_quadratic() { [2, 4] } else { [4, 8] };
         let describe = |n: &usize, m: usize| (format!("{n}² on {m}²"), *n as f64);
         let differing = effort.of(&meshes);

@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Invariant, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{root, slope};
 
@@ -28,7 +28,7 @@ const STATES: [(&str, [bool; 3], Transverse); 3] = [
 /// Rows of all elements.
 pub fn rows(_: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         for (name, stretched, transverse) in STATES {
             for stretch in [1.5, 2.0, 3.0] {
                 let material = material(1e4);

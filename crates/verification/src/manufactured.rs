@@ -10,7 +10,7 @@ use pneuflex_mesh::{Mesh, shape, with_num_nodes};
 use pneuflex_model::{Formulation, Material};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, displacement, material};
+use crate::body::{displacement, material};
 use crate::row::Row;
 use crate::yeoh::first_piola_kirchhoff;
 
@@ -29,7 +29,7 @@ type Field = fn([f64; 3]) -> ([f64; 3], [[f64; 3]; 3]);
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         let coarsest = if element.is_second_order { 1 } else { 2 };
         let meshes = if element == Formulation::Tet10 { [4, 6, 9] } else { [1, 2, 4].map(|r| r * coarsest) };
         let degree = match element {

@@ -8,7 +8,7 @@ use pneuflex_mesh::{ElementKind, Facet, Mesh};
 use pneuflex_model::{Formulation, MPA_PER_KPA, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, hold, inflate, material, near};
+use crate::body::{body, hold, inflate, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -27,7 +27,7 @@ pub(crate) const RADII: [f64; 2] = [5.0, 7.0];
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         // Cells along each side of the cube and through the wall.
         let meshes: [[usize; 2]; 3] = match element {
             // On its coarsest mesh hex27 is accidentally better than its order.

@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, impose, last, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -23,7 +23,7 @@ const RADIUS: f64 = 5.0;
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         // Cells across and along.
         let meshes: [[usize; 2]; 3] = match element {
             Formulation::Tet10 => [[4, 2], [6, 3], [8, 4]],

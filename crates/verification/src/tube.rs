@@ -6,7 +6,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Invariant, MPA_PER_KPA, Material, Problem, Support};
 
 use crate::Effort;
-use crate::body::{FORMULATIONS, body, inflate, material, near};
+use crate::body::{body, inflate, material, near};
 use crate::row::Row;
 use crate::yeoh::{integrate, root, slope};
 
@@ -24,7 +24,7 @@ const RADII: [f64; 2] = [5.0, 7.0];
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in FORMULATIONS {
+    for element in Formulation::ALL {
         let coarsest: [usize; 2] = match element {
             // Two elements around the quarter are so good that compressibility would limit the finer meshes.
             Formulation::Hex20 => [1, 1],

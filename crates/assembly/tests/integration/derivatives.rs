@@ -10,8 +10,6 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize, build_actuator};
 use pneuflex_model::{Formulation, Invariant, Material, Pressure, Volumetric};
 
-const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
-
 /// Every law with every volumetric form.
 fn materials() -> Vec<Material> {
     let samples = pneuflex_laws::samples();
@@ -86,7 +84,7 @@ fn check(name: &str, contribution: &dyn LocalContribution, u: &[[f64; 3]], is_fr
 
 #[test]
 fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for material in materials() {
             let mesh = skewed(formulation);
             // A soft bulk keeps the difference quotient's digits.
@@ -133,7 +131,7 @@ fn pressure_volume_is_the_cavity_and_follows_a_rigid_motion() {
 #[test]
 fn carried_pressures_change_the_geometric_tangent_only() {
     let forms = [Volumetric::Quadratic, Volumetric::Logarithmic];
-    for (formulation, volumetric) in FORMULATIONS.into_iter().flat_map(|f| forms.map(|form| (f, form))) {
+    for (formulation, volumetric) in Formulation::ALL.into_iter().flat_map(|f| forms.map(|form| (f, form))) {
         let mesh = skewed(formulation);
         let material = Material { volumetric, ..Material::default() };
         let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();

@@ -7,8 +7,6 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Formulation, Material};
 
-const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
-
 /// Stiffness of a body at rest, N/mm.
 fn stiffness(mesh: &Mesh, formulation: Formulation, bulk_modulus: f64) -> DMatrix<f64> {
     let material = Material { bulk_modulus, ..Material::default() };
@@ -66,7 +64,7 @@ fn single(kind: ElementKind, is_slanted: bool) -> Mesh {
 
 #[test]
 fn a_free_element_has_six_zero_eigenvalues() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for is_slanted in [false, true] {
             for bulk_modulus in [1.0, 1000.0] {
                 let mesh = single(formulation.element_kind(), is_slanted);
@@ -81,7 +79,7 @@ fn a_free_element_has_six_zero_eigenvalues() {
 /// Softest motions of a free strip are its bendings: the more elements, the softer, but never without energy.
 #[test]
 fn a_free_strip_has_six_zero_eigenvalues() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mesh = Lattice::uniform([0.0; 3], [4.0, 1.0, 1.0], [4, 1, 1]).mesh_all(formulation.element_kind());
         let values = eigenvalues(stiffness(&mesh, formulation, 1000.0));
         check(&format!("4 × 1 × 1 {formulation}"), &values, 5e-3);

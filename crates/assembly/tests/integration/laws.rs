@@ -7,8 +7,6 @@ use pneuflex_mesh::Mesh;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Law, Material, OgdenTerm, Volumetric};
 
-const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
-
 fn ogden() -> Material {
     let terms = vec![OgdenTerm { mu: 0.5, alpha: 1.7 }, OgdenTerm { mu: 0.1, alpha: -2.4 }];
     Material { bulk_modulus: 20.0, ..Law::Ogden { terms }.into() }
@@ -65,7 +63,7 @@ fn force(mesh: &Mesh, totals: &Totals, x: f64) -> f64 {
 #[test]
 fn materials_in_parallel_share_the_stretch() {
     let stretch = 1.4;
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for materials in [[&yeoh(), &mooney_rivlin()], [&mooney_rivlin(), &ogden()], [&ogden(), &yeoh()]] {
             let (mesh, solid) = halves(formulation, 1, materials);
             let u: Vec<[f64; 3]> = mesh.nodes.iter().map(|x| [(stretch - 1.0) * x[0], 0.0, 0.0]).collect();
@@ -81,7 +79,7 @@ fn materials_in_parallel_share_the_stretch() {
 /// Springs one after the other: the same stress, and the stretches that belong to it.
 #[test]
 fn materials_in_series_share_the_stress() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for materials in [[&yeoh(), &mooney_rivlin()], [&mooney_rivlin(), &ogden()], [&ogden(), &yeoh()]] {
             let first = 1.02;
             let stress = held_bar(materials[0], formulation, first);
@@ -111,7 +109,7 @@ fn forces_turn_with_the_body() {
     let turned = |v: [f64; 3]| {
         [0.36 * v[0] - 0.8 * v[1] + 0.48 * v[2], 0.48 * v[0] + 0.6 * v[1] + 0.64 * v[2], -0.8 * v[0] + 0.6 * v[2]]
     };
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         for material in [yeoh(), mooney_rivlin(), ogden()] {
             let mesh = Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).mesh_all(formulation.element_kind());
             let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
@@ -146,7 +144,7 @@ fn states_that_a_law_does_not_describe_are_errors() {
         solid.evaluate(0, &u, Request::Residual, &mut block)
     };
     let stiff = Material::from(Law::Ogden { terms: vec![OgdenTerm { mu: 0.5, alpha: 100.0 }] });
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         assert!(evaluate(&stiff, formulation, 1.2).is_ok());
         assert!(evaluate(&stiff, formulation, 1e6).is_err(), "{formulation}");
         assert!(evaluate(&mooney_rivlin(), formulation, 0.1).is_ok());

@@ -6,8 +6,6 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, Curve, LoadParameter, Motion, Obstacle, Shape};
 
-const KINDS: [ElementKind; 4] = ElementKind::ALL;
-
 /// A block of 2 × 2 × 1 mm, bent.
 fn block(kind: ElementKind) -> (Mesh, Vec<[f64; 3]>) {
     let mesh = Lattice::uniform([-1.0, -1.0, 0.0], [1.0, 1.0, 1.0], [2, 2, 1]).mesh_all(kind);
@@ -41,7 +39,7 @@ fn multipliers(model: &ContactModel) -> Vec<f64> {
 
 #[test]
 fn force_and_tangent_are_derivatives_of_the_energy() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         for (shape, with_multipliers) in shapes().into_iter().flat_map(|s| [(s.clone(), false), (s, true)]) {
             let (mesh, positions) = block(kind);
             let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default())
@@ -78,7 +76,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
 /// A flat face pressed by δ into a plane: k δ A, wherever the plane is moved to.
 #[test]
 fn a_plane_that_is_moved_presses_with_k_delta() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let (mesh, _) = block(kind);
         let shape = Shape::Plane { point: [0.0, 0.0, -0.5], normal: [0.0, 0.0, 2.0] };
         let motion = Motion { displacement: [0.0, 0.0, 1.0], curve: Curve::Proportional(0.1) };

@@ -8,8 +8,6 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
 use pneuflex_model::{Contact, ContactPair};
 
-const KINDS: [ElementKind; 4] = ElementKind::ALL;
-
 fn self_pair(mesh: &Mesh) -> ContactPair {
     ContactPair::new("itself", mesh.boundary_facets(), mesh.boundary_facets())
 }
@@ -63,7 +61,7 @@ fn check_derivatives(model: &ContactModel, positions: &[[f64; 3]], what: &str) {
 
 #[test]
 fn a_closing_slit_touches_itself_as_its_two_sides_do_in_turn() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let mesh = slit(kind);
         let itself = model(&mesh, self_pair(&mesh));
         assert!(itself.search(&mesh.nodes).is_empty(), "nothing touches at rest");
@@ -85,7 +83,7 @@ fn a_closing_slit_touches_itself_as_its_two_sides_do_in_turn() {
 /// A flat face pressed by δ into another carries k δ A, whoever is the slave.
 #[test]
 fn two_passes_share_the_stiffness() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let mut lattice = Lattice::uniform([0.0; 3], [1.0, 2.0, 2.0], [1, 2, 2]);
         lattice.lines[0] = vec![0.0, 1.0, 1.2, 2.2];
         let mesh = lattice.mesh(kind, |cell| cell[0] != 1).mesh;
@@ -128,7 +126,7 @@ fn the_legs_of_a_folded_strip_touch() {
     const RADIUS: f64 = 2.0;
     let arc = RADIUS * (PI + 2.0 * TILT);
     let leg = 14.5;
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let mesh = strip(kind, arc + 2.0 * leg, 36, 1.0);
         // The arc's centre is the origin; the fold is symmetric about the x axis and its legs go to negative x.
         let positions = moved(&mesh, |[s, y, z]| {
@@ -182,7 +180,7 @@ fn rolled(mesh: &Mesh, pitch: f64) -> Vec<[f64; 3]> {
 
 #[test]
 fn a_rolled_strip_touches_its_next_winding_and_not_the_far_side_of_it() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let mesh = strip(kind, 32.0, 96, 0.2);
         let itself = model(&mesh, self_pair(&mesh));
         let open = itself.search(&rolled(&mesh, 0.3));
@@ -196,7 +194,7 @@ fn a_rolled_strip_touches_its_next_winding_and_not_the_far_side_of_it() {
 
 #[test]
 fn the_other_side_of_a_thin_wall_is_no_contact() {
-    for kind in KINDS {
+    for kind in ElementKind::ALL {
         let mesh = strip(kind, 20.0, 20, 0.3);
         let itself = model(&mesh, self_pair(&mesh));
         // Stretched threefold both ways, a ninth as thick, and bent.

@@ -21,8 +21,8 @@ use pneuflex_newton::{State, System};
 use pneuflex_reference::{AirModel, Load, PathOptions, ReferenceSolver, SolidModel};
 
 use crate::fixtures::{
-    FORMULATIONS, INVARIANTS, RIM_AT_Y_0, actuator_problem, assert_same_states, body, coarse_chambers, dense,
-    difference, displacement, follow, follow_reference, noise, strict, sum, touching,
+    INVARIANTS, RIM_AT_Y_0, actuator_problem, assert_same_states, body, coarse_chambers, dense, difference,
+    displacement, follow, follow_reference, noise, strict, sum, touching,
 };
 
 /// Energy, gradient and Hessian.
@@ -78,7 +78,7 @@ fn materials() -> Vec<Material> {
 /// Residual of the energy, and tangent with pressures carried over from another state.
 #[test]
 fn elements() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         // Matrix functions of dual numbers take their time: Ogden's law on elements of few points.
         let is_large = matches!(formulation, Formulation::Hex20 | Formulation::Hex27);
         let is_slow = |material: &Material| is_large && matches!(material.law, Law::Ogden { .. });

@@ -7,7 +7,6 @@ use pneuflex_model::{Contact, ContactMethod, Formulation, Invariant, Material, P
 use pneuflex_newton::{ConvergedState, Event, State, System, follow_path};
 use pneuflex_reference::{PathOptions, ReferenceSolver, ReferenceState};
 
-pub const FORMULATIONS: [Formulation; 5] = Formulation::ALL;
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 pub const METHODS: [ContactMethod; 3] = [ContactMethod::None, ContactMethod::SinglePoint, ContactMethod::MultiPoint];
 

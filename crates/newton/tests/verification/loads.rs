@@ -9,7 +9,7 @@ use pneuflex_model::{
 };
 use pneuflex_newton::ConvergedState;
 
-use crate::fixtures::{FORMULATIONS, follow, resultant};
+use crate::fixtures::{follow, resultant};
 
 const SIDES: [f64; 3] = [2.0, 1.5, 1.0];
 
@@ -57,7 +57,7 @@ fn yeoh_slope(material: &Material, x: f64) -> f64 {
 
 #[test]
 fn a_moved_support_stretches_a_block() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = block(formulation, 1e4);
         // Out to a stretch of 1.5, and half the way back.
         let curve = Curve::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.5]]);
@@ -75,7 +75,7 @@ fn a_moved_support_stretches_a_block() {
 
 #[test]
 fn dead_loads_find_the_stretch_whose_stress_they_are() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = block(formulation, 1e4);
         let traction = nominal(&problem.material, 1.5);
         let facets = end_faces(&problem.mesh);
@@ -92,7 +92,7 @@ fn dead_loads_find_the_stretch_whose_stress_they_are() {
 
 #[test]
 fn pressure_from_all_sides_only_compresses() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = block(formulation, 3.0);
         let free = problem.mesh.boundary_facets().into_iter().filter(|&facet| {
             let nodes = problem.mesh.facet_nodes(facet);
@@ -112,7 +112,7 @@ fn pressure_from_all_sides_only_compresses() {
 #[test]
 fn suction_on_a_free_end_stretches_a_slender_bar() {
     const SUCTION: f64 = 2.0;
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mesh = Lattice::uniform([0.0; 3], [8.0, 1.0, 1.0], [8, 2, 2]).mesh_all(formulation.element_kind());
         let mut problem =
             Problem::body(mesh, formulation, Material { bulk_modulus: 1e4, ..Law::NeoHooke { c10: 1.9 }.into() });
@@ -144,7 +144,7 @@ fn suction_on_a_free_end_stretches_a_slender_bar() {
 
 #[test]
 fn weight_hangs_on_its_support() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = block(formulation, 1000.0);
         problem.material.density = 1.1;
         let acceleration = [9810.0, 0.0, 0.0];
@@ -168,7 +168,7 @@ fn weight_hangs_on_its_support() {
 /// A face that equations keep plane, pulled at a single node, is a face under the mean stress.
 #[test]
 fn equations_tie_a_face_to_one_of_its_nodes() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = block(formulation, 1e4);
         let face = problem.mesh.select_nodes(|x| (x[0] - SIDES[0]).abs() < 1e-9);
         let (leader, followers) = face.split_first().unwrap();

@@ -8,7 +8,7 @@ use pneuflex_model::{
 };
 use pneuflex_newton::{ConvergedState, Path};
 
-use crate::fixtures::{FORMULATIONS, coarse_chambers, difference, follow, sum};
+use crate::fixtures::{coarse_chambers, difference, follow, sum};
 
 const SIDES: [f64; 3] = [2.0, 2.0, 1.0];
 const STIFFNESS: f64 = 20.0;
@@ -62,7 +62,7 @@ fn depths_and_force(problem: &Problem, state: &ConvergedState) -> (Vec<f64>, f64
 
 #[test]
 fn a_block_under_a_plane_is_pressed_uniformly_to_the_depth_of_the_pressure() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let problem = pressed_block(formulation);
         let state = follow(&problem, &[1.0], &settings()).remove(0);
         let (depths, force) = depths_and_force(&problem, &state);
@@ -79,7 +79,7 @@ fn a_block_under_a_plane_is_pressed_uniformly_to_the_depth_of_the_pressure() {
 
 #[test]
 fn multipliers_take_the_depth_away() {
-    for formulation in FORMULATIONS {
+    for formulation in Formulation::ALL {
         let mut problem = pressed_block(formulation);
         problem.contact.penetration_tolerance = Some(1e-7);
         let state = follow(&problem, &[0.5, 1.0], &settings()).remove(1);
