@@ -22,25 +22,21 @@
 //! Garcea 2017, *Comput. Methods Appl. Mech. Engrg.* 313; theory §11). At a solution the two agree, so the tangent is
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
+mod dilatation;
+mod element;
+
 use std::sync::Arc;
 
 use nalgebra::Matrix4;
-use pneuflex_material::{Kinematics, Tangent, add_dyad, add_scaled as add_tangent, second_derivative_of_jacobian};
-use pneuflex_mesh::{
-    Mesh,
-    mesh::{cofactor, determinant},
-};
-use pneuflex_model::{Formulation, Material, Volumetric};
-use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
+use pneuflex_mesh::Mesh;
+use pneuflex_mesh::mesh::determinant;
+use pneuflex_model::{Formulation, Material};
+use pulp::Arch;
 
 use crate::contribution::{Contribution, Mixed, Position, Prediction};
 use crate::formulation::{IntegrationPoint, ReferenceElement};
-use crate::kernel::{
-    LANES, NodeVectors, PairBlocks, PointTangent, add_moduli, add_outer, add_point, add_scaled, add_skew, geometry,
-    gradient_of, inner, store, to_lanes, transform, zero,
-};
-use crate::law::{ElementMaterial, VolumetricResponse};
+use crate::kernel::LANES;
+use crate::law::ElementMaterial;
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// All elements of a body.
