@@ -233,7 +233,9 @@ pub fn edge_distances(kind: FaceKind, [xi, eta]: [f64; 2]) -> [f64; 4] {
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
+    /// Least coordinates, mm.
     pub low: Vec3,
+    /// Greatest coordinates, mm.
     pub high: Vec3,
 }
 

@@ -1,5 +1,7 @@
 //! PNG files.
 
+use pneuflex_post::PostError;
+
 use crate::error::PlotError;
 
 /// The bytes of a PNG file with 3 (red, green, blue) or 4 (and opacity) bytes per pixel, sRGB, rows from the top.
@@ -9,11 +11,12 @@ use crate::error::PlotError;
 pub fn encode(width: usize, height: usize, pixels: &[u8]) -> Result<Vec<u8>, PlotError> {
     let per_pixel = if pixels.len() == 4 * width * height { 4 } else { 3 };
     if pixels.len() != per_pixel * width * height || pixels.is_empty() {
-        return Err(PlotError::WrongLength {
+        return Err(PostError::WrongLength {
             what: "image".into(),
             expected: per_pixel * width * height,
             found: pixels.len(),
-        });
+        }
+        .into());
     }
     let too_large = |_| PlotError::NotDrawable { what: format!("an image of {width} by {height} pixels") };
     let (columns, rows) = (u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?);

@@ -6,6 +6,8 @@ use tiny_skia::{
 };
 
 use super::{Anchor, Colour, Drawing, Image, Shape, Stroke, encode_png, font, text_width};
+use pneuflex_post::PostError;
+
 use crate::error::PlotError;
 
 /// Pixels of a side beyond which a sheet is taken for a mistake.
@@ -114,7 +116,7 @@ fn paint(Colour([r, g, b]): Colour) -> Paint<'static> {
 
 fn pixmap(image: &Image) -> Result<Pixmap, PlotError> {
     let expected = 4 * image.width * image.height;
-    let wrong = || PlotError::WrongLength { what: "image".into(), expected, found: image.rgba.len() };
+    let wrong = || PostError::WrongLength { what: "image".into(), expected, found: image.rgba.len() }.into();
     if image.rgba.len() != expected {
         return Err(wrong());
     }

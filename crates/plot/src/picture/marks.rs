@@ -126,7 +126,7 @@ mod tests {
         assert!(deep[0].iter().step_by(2).all(|p| p[0] > 10.09), "{deep:?}");
         assert!(deeper_than(&problem, &u, 0.5).unwrap()[0].is_empty());
         // In agreement with the measure of the summary.
-        let measured = crate::penetration::measure(&problem, &u).unwrap();
+        let measured = pneuflex_post::penetration::measure(&problem, &u).unwrap();
         assert_eq!(measured.max_penetration_mm(), -found[0].distance_mm);
     }
 }

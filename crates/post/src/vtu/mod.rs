@@ -5,11 +5,12 @@
 
 mod read;
 
-pub use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use read::VtuError;
+pub use read::VtuError;
 
 use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 
 use crate::error::{PostError, check};
 
