@@ -11,7 +11,7 @@
 //! };
 //! let drawing = chart.draw()?;
 //! assert!(drawing.to_svg()?.contains("multiple-point") && drawing.to_png(1.0)?.len() > 1000);
-//! # Ok::<(), pneuflex_post::PlotError>(())
+//! # Ok::<(), pneuflex_plot::PlotError>(())
 //! ```
 
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};

@@ -9,7 +9,10 @@
 //! 2. otherwise among those with |ξ|, |η| ≤ 1.1 the nearest;
 //! 3. otherwise none: no contact.
 //!
-//! On triangles 0 ≤ ξ, 0 ≤ η, ξ + η ≤ 1, with the same excesses.
+//! On triangles 0 ≤ ξ, 0 ≤ η, ξ + η ≤ 1, with the same excesses. There is no limit to the depth: the production path's is beyond what
+//! an equilibrium reaches.
+//!
+//! Where both surfaces are slaves, each has half of its area.
 //!
 //! # Derivatives through the projection
 //! (ξ, η) solves g(ξ, q) = (r_m − r_s) · r_m,ξ = 0 and so depends on q. The search runs in real numbers until
@@ -18,27 +21,25 @@
 //! first and second derivatives of ξ. (For d itself one would do, because d is stationary in ξ at the closest point.)
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_mesh::{FaceKind, Outline};
-use pneuflex_model::{ContactMethod, ContactPair, Problem};
+use pneuflex_mesh::{FaceKind, Facet};
+use pneuflex_model::{Contact, ContactMethod, ContactPair, Problem};
 
-use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, normalised, vector};
-use crate::error::ReferenceError;
-use crate::quadrature;
+use crate::closest_point::{centre, distance, excess, interpolate, penalty, project, projection_step};
+use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, vector};
+use crate::elements;
+use crate::error::{ReferenceError, Unmodelled};
 use crate::shape::ShapeFunctions;
 
 /// A projection counts as inside its facet up to this excess of |ξ|, |η| over 1 (or over a triangle's sides).
 const INSIDE: f64 = 1e-9;
 /// Without any projection inside, one this far outside is accepted: it bridges the wedge between tilted neighbours.
 const MARGIN: f64 = 0.1;
-/// Convergence of the projection in (ξ, η).
-const PROJECTION_TOLERANCE: f64 = 1e-12;
-const PROJECTION_ITERATIONS: usize = 50;
 
 /// A slave point that has found its master point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// Number of the pair in the problem.
-    pub pair: usize,
+    /// Number of the surface pair: contact pairs in the order of the problem, those of two passes twice.
+    pub surface_pair: usize,
     /// Position in the pair's list of slave facets.
     pub slave: usize,
     /// Number of the point on its facet, ξ fastest.
@@ -49,21 +50,30 @@ pub struct ContactPoint {
     pub xi: [f64; 2],
     /// Signed distance d = (r_s − r_m) · n_m, mm; negative inside the master.
     pub gap: f64,
-    /// Share of the slave's reference area, mm².
+    /// Share of the slave's reference area, mm²; half of it where both surfaces are slaves.
     pub area: f64,
 }
 
 /// Contact of a problem.
 #[derive(Clone, Debug)]
 pub struct ContactModel {
-    method: ContactMethod,
-    stiffness: f64,
-    pairs: Vec<ContactPair>,
+    surface_pairs: Vec<SurfacePair>,
     positions: Vec<[f64; 3]>,
-    // Nodes of the facets of every pair: slave, master.
-    facets: Vec<[Vec<Vec<u32>>; 2]>,
     shape: ShapeFunctions<2>,
     kind: FaceKind,
+}
+
+/// Points of one surface against another.
+#[derive(Clone, Debug)]
+struct SurfacePair {
+    is_single_point: bool,
+    // k, N/mm³
+    stiffness: f64,
+    // Share of the slave's area that its points stand for.
+    share: f64,
+    // Nodes of every facet.
+    slave: Vec<Vec<u32>>,
+    master: Vec<Vec<u32>>,
     rule: Vec<([f64; 2], f64)>,
 }
 
@@ -105,67 +115,54 @@ impl<const N: usize> Energy<N> for ClosestPoint<'_> {
     }
 }
 
-/// ½ k A ⟨−d⟩².
-fn penalty<D: Dual>(stiffness: f64, d: D) -> D {
-    if d < 0.0 { d * d * (0.5 * stiffness) } else { D::from(0.0) }
-}
-
-/// d = (r_s − r_m) · n_m.
-fn distance<D: Dual>(slave: [D; 3], master: [D; 3], along_xi: [D; 3], along_eta: [D; 3]) -> D {
-    dot(minus(slave, master), normalised(cross(along_xi, along_eta)))
-}
-
-/// Σ cₐ rₐ.
-fn interpolate<D: Dual>(nodes: &[[D; 3]], coefficients: &[D]) -> [D; 3] {
-    std::array::from_fn(|i| nodes.iter().zip(coefficients).fold(D::from(0.0), |sum, (r, &c)| sum + r[i] * c))
-}
-
-/// Newton step of minimising ½ ‖r_s − r_m(ξ, η)‖² over the facet's (extended) surface.
-fn projection_step<D: Dual>(shape: &ShapeFunctions<2>, slave: [D; 3], nodes: &[[D; 3]], xi: &[D; 2]) -> [D; 2] {
-    let r = |orders: [usize; 2]| interpolate(nodes, &shape.derivatives(orders, xi));
-    let offset = minus(r([0, 0]), slave);
-    let tangents = [r([1, 0]), r([0, 1])];
-    let curvatures = [r([2, 0]), r([1, 1]), r([0, 2])];
-    let g = tangents.map(|t| dot(offset, t));
-    let h = |a: usize, b: usize| dot(tangents[a], tangents[b]) + dot(offset, curvatures[a + b]);
-    let determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(0, 1);
-    [(h(0, 1) * g[1] - h(1, 1) * g[0]) / determinant, (h(0, 1) * g[0] - h(0, 0) * g[1]) / determinant]
-}
-
 impl ContactModel {
     /// Contact between the problem's pairs.
     ///
     /// # Errors
-    /// An element family without a formulation, or lists of unequal length in single-point contact.
+    /// An element family without a formulation, lists of unequal length in single-point contact, or contact that is not modelled
+    /// ([`Unmodelled`]).
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
         let kind = mesh.kind.face_kind(0);
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
         let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
-        let method = problem.contact.method;
+        // The actuator's mesh builder has made pairs of the two flags.
+        let Contact { method, stiffness, two_pass: _, self_contact: _, penetration_tolerance } = &problem.contact;
+        if penetration_tolerance.is_some() {
+            let (part, name) = (Unmodelled::PenetrationTolerance, "contact.penetration_tolerance".into());
+            return Err(ReferenceError::NotModelled { part, name });
+        }
+        let nodes = |facets: &[Facet]| -> Vec<Vec<u32>> { facets.iter().map(|&f| mesh.facet_nodes(f)).collect() };
+        let mut surface_pairs = Vec::new();
         for pair in &problem.contact_pairs {
-            if method == ContactMethod::SinglePoint && pair.slave.len() != pair.master.len() {
-                let (slave, master) = (pair.slave.len(), pair.master.len());
-                return Err(ReferenceError::UnpairedFacets { pair: pair.name.clone(), slave, master });
+            let ContactPair { name, slave, master, method: own_method, stiffness: own_stiffness, is_two_pass } = pair;
+            let is_single_point = match own_method.unwrap_or(*method) {
+                ContactMethod::None => continue,
+                ContactMethod::SinglePoint => true,
+                ContactMethod::MultiPoint => false,
+            };
+            if is_single_point && slave.len() != master.len() {
+                let (pair, slave, master) = (name.clone(), slave.len(), master.len());
+                return Err(ReferenceError::UnpairedFacets { pair, slave, master });
+            }
+            let (slave, master) = (nodes(slave), nodes(master));
+            if slave.iter().flatten().any(|node| master.iter().flatten().any(|other| other == node)) {
+                return Err(ReferenceError::NotModelled { part: Unmodelled::SelfContact, name: name.clone() });
+            }
+            let surface_pair = |slave: &Vec<Vec<u32>>, master: &Vec<Vec<u32>>| SurfacePair {
+                is_single_point,
+                stiffness: own_stiffness.unwrap_or(*stiffness),
+                share: if *is_two_pass { 0.5 } else { 1.0 },
+                slave: slave.clone(),
+                master: master.clone(),
+                rule: if is_single_point { elements::centre_rule(kind) } else { elements::contact_rule(kind) },
+            };
+            surface_pairs.push(surface_pair(&slave, &master));
+            if *is_two_pass {
+                surface_pairs.push(surface_pair(&master, &slave));
             }
         }
-        let rule = match (method, kind.outline) {
-            (ContactMethod::SinglePoint, Outline::Triangle) => vec![(centre(kind), 0.5)],
-            (ContactMethod::SinglePoint, _) => quadrature::tensor(1),
-            (_, Outline::Triangle) => quadrature::collapsed(4),
-            _ => quadrature::tensor(4),
-        };
-        let nodes = |facets: &[_]| facets.iter().map(|&f| mesh.facet_nodes(f)).collect();
-        Ok(Self {
-            method,
-            stiffness: problem.contact.stiffness,
-            facets: problem.contact_pairs.iter().map(|p| [nodes(&p.slave), nodes(&p.master)]).collect(),
-            pairs: problem.contact_pairs.clone(),
-            positions: mesh.nodes.clone(),
-            shape,
-            kind,
-            rule,
-        })
+        Ok(Self { surface_pairs, positions: mesh.nodes.clone(), shape, kind })
     }
 
     /// ½ k ∫⟨−d⟩² dA₀ at displacements `u`, N·mm.
@@ -190,29 +187,26 @@ impl ContactModel {
     /// Every slave point that has a master point, touching or not.
     pub fn points(&self, u: &[f64]) -> Vec<ContactPoint> {
         let mut points = Vec::new();
-        if self.method == ContactMethod::None {
-            return points;
-        }
-        for pair in 0..self.pairs.len() {
-            for slave in 0..self.facets[pair][0].len() {
-                for (point, &(xi, weight)) in self.rule.iter().enumerate() {
+        for (number, pair) in self.surface_pairs.iter().enumerate() {
+            for (slave, nodes) in pair.slave.iter().enumerate() {
+                for (point, &(xi, weight)) in pair.rule.iter().enumerate() {
                     let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| self.shape.derivatives(orders, &xi));
                     let at = |k: usize, nodes: &[[f64; 3]]| interpolate(nodes, &rows[k]);
-                    let reference: Vec<_> =
-                        self.facets[pair][0][slave].iter().map(|&n| self.positions[n as usize]).collect();
+                    let reference: Vec<_> = nodes.iter().map(|&n| self.positions[n as usize]).collect();
                     let normal = cross(at(1, &reference), at(2, &reference));
-                    let area = weight * dot(normal, normal).sqrt();
-                    let r_s = at(0, &self.deformed(&self.facets[pair][0][slave], u));
-                    let found = match self.method {
-                        ContactMethod::SinglePoint => Some((slave, centre(self.kind))),
-                        _ => self.closest(pair, r_s, u),
+                    let area = pair.share * weight * dot(normal, normal).sqrt();
+                    let r_s = at(0, &self.deformed(nodes, u));
+                    let found = if pair.is_single_point {
+                        Some((slave, centre(self.kind)))
+                    } else {
+                        self.closest(pair, r_s, u)
                     };
                     if let Some((master, xi)) = found {
-                        let nodes = self.deformed(&self.facets[pair][1][master], u);
+                        let nodes = self.deformed(&pair.master[master], u);
                         let [r_m, along_xi, along_eta] = [[0, 0], [1, 0], [0, 1]]
                             .map(|orders| interpolate(&nodes, &self.shape.derivatives(orders, &xi)));
                         let gap = distance(r_s, r_m, along_xi, along_eta);
-                        points.push(ContactPoint { pair, slave, point, master, xi, gap, area });
+                        points.push(ContactPoint { surface_pair: number, slave, point, master, xi, gap, area });
                     }
                 }
             }
@@ -221,9 +215,8 @@ impl ContactModel {
     }
 
     /// The rule in the module's text: master facet and (ξ, η).
-    fn closest(&self, pair: usize, r_s: [f64; 3], u: &[f64]) -> Option<(usize, [f64; 2])> {
-        let candidates: Vec<(usize, [f64; 2], f64)> = self.facets[pair][1]
-            .iter()
+    fn closest(&self, pair: &SurfacePair, r_s: [f64; 3], u: &[f64]) -> Option<(usize, [f64; 2])> {
+        let candidates: Vec<(usize, [f64; 2], f64)> = (pair.master.iter())
             .enumerate()
             .filter_map(|(master, nodes)| {
                 let nodes = self.deformed(nodes, u);
@@ -254,12 +247,12 @@ impl ContactModel {
     }
 
     fn term(&self, point: &ContactPoint) -> Box<dyn Differentiable + '_> {
-        let [slaves, masters] = &self.facets[point.pair];
-        let (slave, master) = (&slaves[point.slave], &masters[point.master]);
+        let pair = &self.surface_pairs[point.surface_pair];
+        let (slave, master) = (&pair.slave[point.slave], &pair.master[point.master]);
         let (nodes, n) = ([slave.clone(), master.clone()].concat(), slave.len());
-        let on_slave = [self.shape.values(&self.rule[point.point].0), vec![0.0; n]].concat();
-        let stiffness = self.stiffness * point.area;
-        if self.method == ContactMethod::SinglePoint {
+        let on_slave = [self.shape.values(&pair.rule[point.point].0), vec![0.0; n]].concat();
+        let stiffness = pair.stiffness * point.area;
+        if pair.is_single_point {
             let on_master = [[0, 0], [1, 0], [0, 1]]
                 .map(|orders| [vec![0.0; n], self.shape.derivatives(orders, &point.xi)].concat());
             let rows = [&[on_slave], &on_master[..]].concat();
@@ -276,32 +269,6 @@ impl ContactModel {
             _ => Box::new(Term::<30, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
         }
     }
-}
-
-fn centre(kind: FaceKind) -> [f64; 2] {
-    if kind.outline == Outline::Triangle { [1.0 / 3.0; 2] } else { [0.0; 2] }
-}
-
-/// How far (ξ, η) lies outside the facet; negative inside.
-fn excess(kind: FaceKind, &[xi, eta]: &[f64; 2]) -> f64 {
-    let over_sides = match kind.outline {
-        Outline::Triangle => [-xi, -eta, xi + eta - 1.0],
-        Outline::Square => [xi.abs() - 1.0, eta.abs() - 1.0, -1.0],
-    };
-    over_sides.into_iter().fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// Closest point of the facet's extended surface by Newton's method from `start`; `None` without convergence.
-fn project(shape: &ShapeFunctions<2>, start: [f64; 2], r_s: [f64; 3], nodes: &[[f64; 3]]) -> Option<[f64; 2]> {
-    let mut xi = start;
-    for _ in 0..PROJECTION_ITERATIONS {
-        let step = projection_step(shape, r_s, nodes, &xi);
-        xi = [xi[0] + step[0], xi[1] + step[1]];
-        if step.iter().all(|s| s.abs() < PROJECTION_TOLERANCE) {
-            return Some(xi);
-        }
-    }
-    None
 }
 
 #[cfg(test)]
@@ -395,5 +362,41 @@ mod tests {
         assert!(matches!(ContactModel::new(&problem), Err(ReferenceError::UnpairedFacets { slave: 4, master: 3, .. })));
         problem.contact.method = ContactMethod::MultiPoint;
         assert!(ContactModel::new(&problem).is_ok());
+    }
+
+    /// The error of a problem whose contact is not modelled.
+    fn refused(change: impl Fn(&mut Problem)) -> (Unmodelled, String) {
+        let mut problem = two_blocks(Formulation::Hex8Sri, ContactMethod::MultiPoint, true);
+        change(&mut problem);
+        match ContactModel::new(&problem) {
+            Err(ReferenceError::NotModelled { part, name }) => (part, name),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn self_contact_is_refused() {
+        let expected = (Unmodelled::SelfContact, "gap".to_owned());
+        assert_eq!(
+            refused(|problem| problem.contact_pairs[0].master = problem.contact_pairs[0].slave.clone()),
+            expected
+        );
+        // Neighbouring faces of one body.
+        assert_eq!(
+            refused(|problem| {
+                problem.contact_pairs[0].slave = problem.mesh.select_facets(|x| x[2] == 2.0 && x[0] <= 1.0);
+                problem.contact_pairs[0].master = problem.mesh.select_facets(|x| x[0] == 1.0);
+            }),
+            expected
+        );
+        let mut switched_off = two_blocks(Formulation::Hex8Sri, ContactMethod::None, true);
+        switched_off.contact_pairs[0].master = switched_off.contact_pairs[0].slave.clone();
+        assert!(ContactModel::new(&switched_off).is_ok());
+    }
+
+    #[test]
+    fn contact_without_penetration_is_refused() {
+        let expected = (Unmodelled::PenetrationTolerance, "contact.penetration_tolerance".to_owned());
+        assert_eq!(refused(|problem| problem.contact.penetration_tolerance = Some(1e-3)), expected);
     }
 }

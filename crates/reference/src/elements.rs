@@ -64,6 +64,30 @@ pub fn face_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     }
 }
 
+/// A rule for weights: at least 3×3×3 points, collapsed on tet10.
+pub fn volume_rule(kind: ElementKind) -> Vec<([f64; 3], f64)> {
+    match kind {
+        ElementKind::Hex8 | ElementKind::Hex20 | ElementKind::Hex27 => quadrature::tensor(3),
+        ElementKind::Tet10 => quadrature::collapsed(3),
+    }
+}
+
+/// The point of single-point contact.
+pub fn centre_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    match kind {
+        FaceKind::Tri6 => vec![([1.0 / 3.0; 2], 0.5)],
+        FaceKind::Quad4 | FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(1),
+    }
+}
+
+/// The points of multiple-point contact: 4×4, collapsed on triangles.
+pub fn contact_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    match kind {
+        FaceKind::Tri6 => quadrature::collapsed(4),
+        FaceKind::Quad4 | FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(4),
+    }
+}
+
 /// The rule of the table above.
 pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
     let points = |n: usize, is_deviatoric: bool, is_volumetric: bool| -> Vec<RulePoint> {

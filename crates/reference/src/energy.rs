@@ -4,7 +4,23 @@ use nalgebra::{SMatrix, SVector};
 use pneuflex_model::{Invariant, Law, Material, OgdenTerm, Volumetric};
 
 use crate::differentiate::{Dual, Energy, cross, dot, gradient_of, hessian_of};
+use crate::error::{ReferenceError, Unmodelled};
 use crate::tensor_function::{exponential, logarithm, product, trace};
+
+/// Refuses a material whose energy is another one than [`energy_density`]; `name` says whose it is.
+///
+/// # Errors
+/// [`Unmodelled::FullInvariant`].
+pub fn check(name: &str, material: &Material) -> Result<(), ReferenceError> {
+    // Weights are loads.
+    let Material { law, bulk_modulus: _, volumetric: _, invariant, density: _ } = material;
+    match (law, invariant) {
+        (Law::Yeoh { .. } | Law::NeoHooke { .. }, _) | (_, Invariant::Isochoric) => Ok(()),
+        (Law::Polynomial { .. } | Law::Ogden { .. }, Invariant::Full) => {
+            Err(ReferenceError::NotModelled { part: Unmodelled::FullInvariant, name: name.into() })
+        }
+    }
+}
 
 /// J = det G = r_x · (r_y × r_z); `g[i][j]` is ∂rᵢ/∂Xⱼ.
 pub fn jacobian<D: Dual>(g: &[[D; 3]; 3]) -> D {
@@ -126,6 +142,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_full_invariant_is_refused_where_the_law_has_none() {
+        let ogden = Law::Ogden { terms: vec![OgdenTerm { mu: 0.5, alpha: 3.4 }] };
+        let polynomial = Law::Polynomial { c10: 0.2, c01: 0.07, c20: 0.0, c11: 0.0, c02: 0.0 };
+        let with = |law: &Law, invariant| Material { invariant, ..law.clone().into() };
+        for law in [ogden, polynomial] {
+            assert_eq!(check("base", &with(&law, Invariant::Isochoric)), Ok(()));
+            let part = Unmodelled::FullInvariant;
+            let expected = Err(ReferenceError::NotModelled { part, name: "base".into() });
+            assert_eq!(check("base", &with(&law, Invariant::Full)), expected);
+        }
+        assert_eq!(check("base", &material(Invariant::Full)), Ok(()));
     }
 
     /// Exponents 2 and −2 of Ogden's law are Mooney–Rivlin, also where stretches are equal.

@@ -1,11 +1,37 @@
 //! Errors of the reference solver.
 
 use pneuflex_mesh::ElementKind;
-use pneuflex_model::Formulation;
+use pneuflex_model::{Formulation, LoadParameter, OpenCavity};
+
+/// A part of a problem that the reference solver does not model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unmodelled {
+    /// A surface that is kept from passing through itself, or through one with which it has nodes in common: the rules by which
+    /// the production path tells contact from neighbourhood.
+    #[error("self-contact")]
+    SelfContact,
+    /// Contact with multipliers that are updated until nothing penetrates.
+    #[error("contact without penetration (augmented Lagrangian)")]
+    PenetrationTolerance,
+    /// The full invariant in a law that is defined by the isochoric ones.
+    #[error("the full invariant in a law other than Yeoh's and neo-Hooke's")]
+    FullInvariant,
+}
 
 /// Why the reference solver cannot set up or solve a problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
+    /// A part of the problem that would be left out.
+    #[error("not modelled by the reference solver: {part} ({name})")]
+    NotModelled {
+        /// What it is.
+        part: Unmodelled,
+        /// Name of the contact pair or region, or the key, that asks for it.
+        name: String,
+    },
+    /// A cavity with a given volume or gas that encloses no volume.
+    #[error(transparent)]
+    OpenCavity(#[from] OpenCavity),
     /// The formulation asks for another element family than the mesh has.
     #[error("formulation {formulation} does not fit a mesh of {found:?} elements")]
     WrongElement {
@@ -43,12 +69,12 @@ pub enum ReferenceError {
         expected: usize,
     },
     /// Load steps became too small without Newton's method converging.
-    #[error("no convergence between {from_kpa} and {to_kpa} kPa: {cause}")]
+    #[error("no convergence between the load parameters {from} and {to}: {cause}")]
     NotConverged {
-        /// Last pressure with an equilibrium, kPa.
-        from_kpa: f64,
-        /// Pressure aimed at, kPa.
-        to_kpa: f64,
+        /// Last position on the load path with an equilibrium.
+        from: LoadParameter,
+        /// Position aimed at.
+        to: LoadParameter,
         /// What happened in the last attempt.
         cause: String,
     },

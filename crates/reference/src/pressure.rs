@@ -4,8 +4,11 @@
 //! V_air = −∮ (a x n_x + b y n_y + c z n_z) dS with a + b + c = 1. The weights matter only where the loaded surface is
 //! open, cut by a plane: the plane's own share must vanish. With a third each that holds for planes through the origin,
 //! such as the symmetry plane y = 0 of the half model. For any other plane across an axis, give that axis the weight 0.
+//! With all weight on y and y counted from the plane of symmetry y = const, walls that end in planes of symmetry across any axis
+//! enclose the right volume ([`ACROSS_Y`]); and its gradient has no forces on the rim but those of the pressure.
 
 use nalgebra::{DMatrix, DVector};
+use pneuflex_mesh::Facet;
 use pneuflex_model::Problem;
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, vector};
@@ -16,21 +19,27 @@ use crate::shape::ShapeFunctions;
 /// Weights (a, b, c) of a closed surface, or one cut by planes through the origin only.
 pub const CLOSED: [f64; 3] = [1.0 / 3.0; 3];
 
+/// Weights (a, b, c) of a surface that ends in planes of symmetry, at most one of them across y.
+pub const ACROSS_Y: [f64; 3] = [0.0, 1.0, 0.0];
+
 /// One facet point's share of V_air; v holds r, r_ξ, r_η.
 #[derive(Clone, Debug)]
 struct VolumePoint {
     weight: f64,
     axes: [f64; 3],
+    // Coordinate y of the plane of symmetry, mm.
+    plane_y: f64,
 }
 
 impl Energy<9> for VolumePoint {
     fn energy<D: Dual>(&self, v: &[D; 9]) -> D {
-        let (r, n) = (vector(v, 0), cross(vector(v, 1), vector(v, 2)));
+        let (mut r, n) = (vector(v, 0), cross(vector(v, 1), vector(v, 2)));
+        r[1] -= self.plane_y;
         (0..3).fold(D::from(0.0), |sum, i| sum - r[i] * n[i] * (self.axes[i] * self.weight))
     }
 }
 
-/// The air in the cavities.
+/// The air behind a surface.
 #[derive(Clone, Debug)]
 pub struct AirModel {
     num_dofs: usize,
@@ -38,24 +47,25 @@ pub struct AirModel {
 }
 
 impl AirModel {
-    /// Air behind the problem's pressure facets, with the volume weights `axes` (a, b, c); see [`CLOSED`].
+    /// Air behind some facets of the problem's mesh, with the volume weights `axes` (a, b, c), see [`CLOSED`], and y counted from
+    /// `plane_y` (mm).
     ///
     /// The rules are exact ([`elements::face_rule`]).
     ///
     /// # Errors
     /// An element family without a formulation.
-    pub fn new(problem: &Problem, axes: [f64; 3]) -> Result<Self, ReferenceError> {
+    pub fn new(problem: &Problem, facets: &[Facet], axes: [f64; 3], plane_y: f64) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let kind = mesh.surface_kind(&problem.cavity_facets());
+        let kind = mesh.surface_kind(facets);
         let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
         let rule = elements::face_rule(kind);
         let mut terms = Vec::new();
-        for facet in problem.cavity_facets() {
+        for &facet in facets {
             for (xi, weight) in &rule {
                 let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| shape.derivatives(orders, xi));
                 let map = LinearMap::of_positions(&mesh.facet_nodes(facet), &mesh.nodes, &rows);
-                terms.push(Term { energy: VolumePoint { weight: *weight, axes }, map });
+                terms.push(Term { energy: VolumePoint { weight: *weight, axes, plane_y }, map });
             }
         }
         Ok(Self { num_dofs: problem.num_dofs(), terms })
@@ -98,7 +108,7 @@ mod tests {
     fn air_of_the_half_model_has_its_volume_at_rest_and_under_affine_maps() {
         for formulation in Formulation::ALL {
             let problem = two_chambers([8.0, 9.0, 8.0], 2.0, formulation, ContactMethod::None);
-            let air = AirModel::new(&problem, CLOSED).unwrap();
+            let air = AirModel::new(&problem, &problem.cavity_facets(), CLOSED, 0.0).unwrap();
             // Two cavities, the channel's open part below them and its roofed part between them.
             let volume = 2.0 * 6.0 * 9.0 * 8.0 + 2.0 * 12.0 + 4.0;
             assert!((air.volume(&vec![0.0; problem.num_dofs()]) - volume).abs() < 1e-9);
@@ -113,7 +123,7 @@ mod tests {
     #[test]
     fn work_of_the_pressure_is_pressure_times_change_of_volume() {
         let problem = two_chambers([8.0, 9.0, 8.0], 2.0, Formulation::Hex20, ContactMethod::None);
-        let air = AirModel::new(&problem, CLOSED).unwrap();
+        let air = AirModel::new(&problem, &problem.cavity_facets(), CLOSED, 0.0).unwrap();
         let (u, p) = (noise(problem.num_dofs(), 0.2), 0.035);
         // ∫ Q_p · du along a straight path; forces are quadratic in the path's parameter, two Gauss points are exact.
         let work: f64 = crate::quadrature::gauss(2)
@@ -134,7 +144,7 @@ mod tests {
             let mut problem = body(mesh, formulation, material(pneuflex_model::Invariant::Isochoric));
             let open = problem.mesh.boundary_facets()[1..4].to_vec();
             problem.inflate("open", open);
-            let air = AirModel::new(&problem, CLOSED).unwrap();
+            let air = AirModel::new(&problem, &problem.cavity_facets(), CLOSED, 0.0).unwrap();
             let u = noise(problem.num_dofs(), 0.1);
             check_derivatives(|u| air.energy(u, 0.3), |u| air.gradient(u, 0.3), |u| air.hessian(u, 0.3), &u);
         }
@@ -152,7 +162,7 @@ mod tests {
             pneuflex_model::Contact::default(),
         )
         .unwrap();
-        let air = AirModel::new(&problem, CLOSED).unwrap();
+        let air = AirModel::new(&problem, &problem.cavity_facets(), CLOSED, 0.0).unwrap();
         let force = air.gradient(&noise(problem.num_dofs(), 0.3), 1.0);
         assert!(force.norm() > 1.0);
         for axis in 0..3 {

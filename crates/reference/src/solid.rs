@@ -22,11 +22,11 @@
 //! The derivatives of the primal energy follow by eliminating p from those of Π, exactly.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
-use pneuflex_model::{Formulation, Material, Problem, Volumetric};
+use pneuflex_model::{Formulation, Material, Problem, Region, Volumetric};
 
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term};
 use crate::elements;
-use crate::energy::{deviatoric, gradient_from, jacobian, volumetric};
+use crate::energy::{check as check_material, deviatoric, gradient_from, jacobian, volumetric};
 use crate::error::ReferenceError;
 use crate::quadrature;
 use crate::shape::ShapeFunctions;
@@ -84,7 +84,7 @@ impl SolidModel {
     /// Prepares all integration points.
     ///
     /// # Errors
-    /// An element family that does not fit the formulation, or an inverted element.
+    /// An element family that does not fit the formulation, an inverted element, or a law with an invariant that it does not have.
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
         let kind = problem.mesh.kind;
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: kind };
@@ -92,6 +92,10 @@ impl SolidModel {
             return Err(wrong);
         }
         let shape = ShapeFunctions::of_element(kind).ok_or(wrong)?;
+        check_material("material", &problem.material)?;
+        for Region { name, elements: _, material } in &problem.regions {
+            check_material(name, material)?;
+        }
         let pressures_per_element = elements::num_pressures(problem.formulation);
         let (materials, material_of) = problem.materials();
         let has_own_dilatation = materials.iter().any(|material| material.volumetric != Volumetric::Quadratic);

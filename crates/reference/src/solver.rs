@@ -1,30 +1,32 @@
 //! Everything together: the potential, its derivatives, and load paths by plain Newton steps (theory §6, Fig. 3).
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_model::{MPA_PER_KPA, Problem};
+use pneuflex_model::load::Load;
+use pneuflex_model::{Curve, LinearEquation, LoadParameter, Motion, Problem, Support};
 
+use crate::cavity::CavityModel;
+use crate::conservative_load::ConservativeLoads;
 use crate::contact::ContactModel;
 use crate::error::ReferenceError;
-use crate::kkt::KktSystem;
-use crate::pressure::{self, AirModel};
+use crate::follower_pressure::FollowerPressure;
+use crate::kkt::{Constraint, KktSystem};
+use crate::obstacle::ObstacleModel;
+use crate::pressure;
 use crate::solid::SolidModel;
 
 /// The reference solver of one problem.
 #[derive(Clone, Debug)]
 pub struct ReferenceSolver {
     solid: SolidModel,
-    air: AirModel,
+    cavities: Vec<CavityModel>,
+    // On faces that are no cavity's, with the pressure in MPa.
+    pressures: Vec<(FollowerPressure, Curve)>,
+    loads: ConservativeLoads,
     contact: ContactModel,
+    obstacles: Vec<ObstacleModel>,
+    supports: Vec<Support>,
     held: Vec<usize>,
-}
-
-/// What a state on a path is loaded with.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Load {
-    /// Air pressure, kPa.
-    pub pressure_kpa: f64,
-    /// Displacements of held degrees of freedom, mm: three per node, those of free ones are ignored; empty for all zero.
-    pub prescribed: Vec<f64>,
+    equations: Vec<LinearEquation>,
 }
 
 /// When Newton's method has converged and when it gives up.
@@ -34,36 +36,38 @@ pub struct PathOptions {
     pub tolerance: f64,
     /// Iterations after which a load step is halved.
     pub max_iterations: usize,
-    /// Largest pressure step, kPa.
-    pub max_step_kpa: f64,
-    /// A step smaller than this fraction of the way from one requested load to the next is not tried.
+    /// Largest step of the load parameter.
+    pub max_step: f64,
+    /// A step smaller than this fraction of the way from one requested position to the next is not tried.
     pub min_fraction: f64,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 20, max_step_kpa: 10.0, min_fraction: 0.002 }
+        Self { tolerance: 1e-9, max_iterations: 20, max_step: 10.0, min_fraction: 0.002 }
     }
 }
 
 /// An equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceState {
-    /// Air pressure, kPa.
-    pub pressure_kpa: f64,
+    /// Position on the load path.
+    pub parameter: LoadParameter,
     /// Displacements, mm, three per node.
     pub displacement: Vec<f64>,
     /// Multipliers λ, N, three per node, zero where nothing is held: R(q) + Φᵀλ = 0, so λ is the force of the body on
     /// its support. See [`Self::reaction`] for the opposite.
     pub multiplier: Vec<f64>,
+    /// Pressure in every cavity above the atmosphere's, MPa.
+    pub cavity_pressure: Vec<f64>,
     /// Element pressures p (mean normal stress, positive in tension), MPa, see [`SolidModel::pressures`].
     pub element_pressure: Vec<f64>,
-    /// ‖\[Δq; Δλ\]‖ of the iterations since the previous requested load, failed attempts included.
+    /// ‖\[Δq; Δλ\]‖ of the iterations since the previous requested position, failed attempts included.
     pub corrections: Vec<f64>,
 }
 
 impl ReferenceState {
-    /// Newton iterations since the previous requested load, failed attempts included.
+    /// Newton iterations since the previous requested position, failed attempts included.
     pub fn iterations(&self) -> usize {
         self.corrections.len()
     }
@@ -91,22 +95,53 @@ impl ReferenceSolver {
     /// Prepares all contributions.
     ///
     /// # Errors
-    /// See [`SolidModel::new`], [`AirModel::new`], [`ContactModel::new`].
+    /// A part of the problem that is not modelled ([`crate::Unmodelled`]), and those of the contributions: [`SolidModel::new`],
+    /// [`CavityModel::new`], [`ContactModel::new`].
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
-        Self::with_volume_weights(problem, pressure::CLOSED)
+        Self::with_volume_weights(problem, pressure::ACROSS_Y)
     }
 
-    /// The same for a loaded surface cut by a plane that does not go through the origin, see [`pressure`].
+    /// The same with other weights for the cavities' volumes, see [`pressure`].
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn with_volume_weights(problem: &Problem, axes: [f64; 3]) -> Result<Self, ReferenceError> {
+        let Problem {
+            // By all contributions.
+            mesh: _,
+            formulation: _,
+            // By `SolidModel` and, for weights, by `ConservativeLoads`.
+            material: _,
+            regions: _,
+            supports,
+            equations,
+            cavities,
+            loads,
+            // By `ContactModel`.
+            contact: _,
+            contact_pairs: _,
+            obstacles,
+            // Words for the load parameter.
+            clock: _,
+        } = problem;
         let held = problem.held_dofs().iter().enumerate().filter(|(_, held)| **held).map(|(dof, _)| dof).collect();
+        let pressures = loads.iter().filter_map(|load| match load {
+            Load::Pressure { facets, curve } => {
+                Some(FollowerPressure::new(problem, facets).map(|p| (p, curve.clone())))
+            }
+            // By `ConservativeLoads`.
+            Load::Force { .. } | Load::Traction { .. } | Load::Gravity { .. } => None,
+        });
         Ok(Self {
             solid: SolidModel::new(problem)?,
-            air: AirModel::new(problem, axes)?,
+            cavities: cavities.iter().map(|c| CavityModel::new(problem, c, axes)).collect::<Result<_, _>>()?,
+            pressures: pressures.collect::<Result<_, _>>()?,
+            loads: ConservativeLoads::new(problem)?,
             contact: ContactModel::new(problem)?,
+            obstacles: obstacles.iter().map(|o| ObstacleModel::new(problem, o)).collect::<Result<_, _>>()?,
+            supports: supports.clone(),
             held,
+            equations: equations.clone(),
         })
     }
 
@@ -115,9 +150,9 @@ impl ReferenceSolver {
         &self.solid
     }
 
-    /// The air's contribution.
-    pub fn air(&self) -> &AirModel {
-        &self.air
+    /// The cavities' contributions.
+    pub fn cavities(&self) -> &[CavityModel] {
+        &self.cavities
     }
 
     /// The contribution of contact.
@@ -125,104 +160,162 @@ impl ReferenceSolver {
         &self.contact
     }
 
-    /// Held degrees of freedom (3 · node + axis) in ascending order: the rows of Φ.
+    /// The obstacles' contributions.
+    pub fn obstacles(&self) -> &[ObstacleModel] {
+        &self.obstacles
+    }
+
+    /// Held degrees of freedom (3 · node + axis) in ascending order: the first rows of Φ.
     pub fn held(&self) -> &[usize] {
         &self.held
     }
 
-    /// The whole primal potential at displacements `u` and air pressure `p` in MPa, N·mm.
-    pub fn energy(&self, u: &[f64], p: f64) -> f64 {
-        self.solid.energy(u) + self.air.energy(u, p) + self.contact.energy(u)
+    /// The whole primal potential at displacements `u`, N·mm; pressure on surfaces that enclose no volume has none.
+    pub fn energy(&self, u: &[f64], parameter: LoadParameter) -> f64 {
+        let fluids: f64 = self.cavities.iter().map(|cavity| cavity.energy(u, parameter)).sum();
+        let obstacles: f64 = self.obstacles.iter().map(|obstacle| obstacle.energy(u, parameter)).sum();
+        let loads = self.loads.forces(parameter).dot(&DVector::from_column_slice(u));
+        self.solid.energy(u) + fluids - loads + self.contact.energy(u) + obstacles
     }
 
-    /// R = ∂energy/∂u = Q_k − Q_p − Q_c, N.
-    pub fn gradient(&self, u: &[f64], p: f64) -> DVector<f64> {
-        self.solid.gradient(u) + self.air.gradient(u, p) + self.contact.gradient(u)
+    /// R = ∂energy/∂u = Q_k − Q_p − Q_c, with the forces of all pressures, N.
+    pub fn gradient(&self, u: &[f64], parameter: LoadParameter) -> DVector<f64> {
+        self.solid.gradient(u) + self.gradient_but_solid(u, parameter)
     }
 
     /// K = ∂R/∂u, N/mm.
-    pub fn hessian(&self, u: &[f64], p: f64) -> DMatrix<f64> {
-        self.solid.hessian(u) + self.air.hessian(u, p) + self.contact.hessian(u)
+    pub fn hessian(&self, u: &[f64], parameter: LoadParameter) -> DMatrix<f64> {
+        self.solid.hessian(u) + self.hessian_but_solid(u, parameter)
     }
 
-    /// The Newton system at displacements `u`, element pressures `element_pressure` (MPa) and multipliers λ in the order
-    /// of [`Self::held`].
+    fn gradient_but_solid(&self, u: &[f64], parameter: LoadParameter) -> DVector<f64> {
+        let mut gradient = self.contact.gradient(u) - self.loads.forces(parameter);
+        self.cavities.iter().for_each(|cavity| gradient += cavity.gradient(u, parameter));
+        self.pressures.iter().for_each(|(faces, curve)| gradient += faces.gradient(u, curve.at(parameter)));
+        self.obstacles.iter().for_each(|obstacle| gradient += obstacle.gradient(u, parameter));
+        gradient
+    }
+
+    fn hessian_but_solid(&self, u: &[f64], parameter: LoadParameter) -> DMatrix<f64> {
+        let mut hessian = self.contact.hessian(u);
+        self.cavities.iter().for_each(|cavity| hessian += cavity.tangent(u, parameter));
+        self.pressures.iter().for_each(|(faces, curve)| hessian += faces.tangent(u, curve.at(parameter)));
+        self.obstacles.iter().for_each(|obstacle| hessian += obstacle.hessian(u, parameter));
+        hessian
+    }
+
+    /// Displacements that the supports prescribe at a position on the load path, mm, three per node; 0 at free degrees of freedom.
+    pub fn prescribed(&self, parameter: LoadParameter) -> Vec<f64> {
+        let mut prescribed = vec![0.0; self.solid.num_dofs()];
+        for Support { name: _, nodes, axes, motion } in &self.supports {
+            let Some(Motion { displacement, curve }) = motion else { continue };
+            for &node in nodes {
+                for axis in (0..3).filter(|&axis| axes[axis]) {
+                    prescribed[3 * node as usize + axis] = curve.at(parameter) * displacement[axis];
+                }
+            }
+        }
+        prescribed
+    }
+
+    /// What is constrained: held degrees of freedom, linear equations, volumes of liquids.
+    fn constraints(&self, u: &[f64], parameter: LoadParameter, prescribed: &[f64]) -> Vec<Constraint> {
+        let held = |&dof: &usize| Constraint { value: u[dof] - prescribed[dof], gradient: vec![(dof, 1.0)] };
+        let equation = |LinearEquation { terms, value }: &LinearEquation| {
+            let gradient: Vec<(usize, f64)> =
+                terms.iter().map(|&(node, axis, c)| (3 * node as usize + usize::from(axis), c)).collect();
+            let sum: f64 = gradient.iter().map(|&(dof, c)| c * u[dof]).sum();
+            Constraint { value: sum - value.at(parameter), gradient }
+        };
+        let liquids = self.cavities.iter().filter_map(|cavity| cavity.constraint(u, parameter));
+        self.held.iter().map(held).chain(self.equations.iter().map(equation)).chain(liquids).collect()
+    }
+
+    /// Number of rows of Φ: held degrees of freedom, linear equations, volumes of liquids.
+    pub fn num_constraints(&self) -> usize {
+        self.held.len() + self.equations.len() + self.liquids().count()
+    }
+
+    fn liquids(&self) -> impl Iterator<Item = &CavityModel> {
+        self.cavities.iter().filter(|cavity| cavity.is_constrained())
+    }
+
+    /// The Newton system at displacements `u`, element pressures `element_pressure` (MPa) and multipliers λ of the constraints:
+    /// those of [`Self::held`], of the linear equations, of the volumes of liquids. `prescribed` are displacements of held degrees of
+    /// freedom, mm, three per node; those of free ones are ignored.
     ///
     /// # Errors
-    /// A list, or the load's prescribed displacements, of the wrong length.
+    /// A list of the wrong length.
     pub fn kkt_system(
         &self,
         u: &[f64],
         element_pressure: &[f64],
         lambda: &[f64],
-        load: &Load,
+        parameter: LoadParameter,
+        prescribed: &[f64],
     ) -> Result<KktSystem, ReferenceError> {
         let n = self.solid.num_dofs();
         check("the displacement vector", u, n)?;
         check("the vector of element pressures", element_pressure, self.solid.num_pressures())?;
-        check("the vector of multipliers", lambda, self.held.len())?;
-        let prescribed = self.prescribed(load)?;
+        check("the vector of multipliers", lambda, self.num_constraints())?;
+        check("the vector of prescribed displacements", prescribed, n)?;
 
-        let p = load.pressure_kpa * MPA_PER_KPA;
         let mut gradient = self.solid.saddle_gradient(u, element_pressure);
         let mut forces = gradient.rows_mut(0, n);
-        forces += self.air.gradient(u, p) + self.contact.gradient(u);
+        forces += self.gradient_but_solid(u, parameter);
         let mut hessian = self.solid.saddle_hessian(u, element_pressure);
         let mut stiffness = hessian.view_mut((0, 0), (n, n));
-        stiffness += self.air.hessian(u, p) + self.contact.hessian(u);
-        let defect: Vec<f64> = self.held.iter().zip(&prescribed).map(|(&dof, value)| u[dof] - value).collect();
-        Ok(KktSystem::new(&hessian, &gradient, &self.held, &defect, lambda))
+        stiffness += self.hessian_but_solid(u, parameter);
+        for (liquid, &multiplier) in self.liquids().zip(self.of_liquids(lambda)) {
+            stiffness += liquid.curvature(u, multiplier);
+        }
+        Ok(KktSystem::new(&hessian, &gradient, &self.constraints(u, parameter, prescribed), lambda))
     }
 
-    /// Equilibria at increasing pressures, from rest, with nothing moved by its supports.
+    /// The last of the multipliers.
+    fn of_liquids<'a>(&self, lambda: &'a [f64]) -> &'a [f64] {
+        &lambda[self.held.len() + self.equations.len()..]
+    }
+
+    /// Equilibria at the given positions on the load path in turn, from rest at 0.
+    ///
+    /// The way to every position is divided into equal steps, which are halved after a failure and stay so up to that position.
     ///
     /// # Errors
-    /// See [`Self::follow`].
+    /// No convergence.
     pub fn follow_path(
         &self,
-        pressures_kpa: &[f64],
+        parameters: &[impl Into<LoadParameter> + Copy],
         options: &PathOptions,
     ) -> Result<Vec<ReferenceState>, ReferenceError> {
-        let load = |&pressure_kpa: &f64| Load { pressure_kpa, prescribed: Vec::new() };
-        self.follow(&pressures_kpa.iter().map(load).collect::<Vec<_>>(), options)
-    }
-
-    /// Equilibria at the given loads in turn, from rest.
-    ///
-    /// The way to every load is divided into equal steps, which are halved after a failure and stay so up to that load.
-    ///
-    /// # Errors
-    /// Prescribed displacements of the wrong length, or no convergence.
-    pub fn follow(&self, loads: &[Load], options: &PathOptions) -> Result<Vec<ReferenceState>, ReferenceError> {
         let mut unknowns = Unknowns {
             u: vec![0.0; self.solid.num_dofs()],
             p: vec![0.0; self.solid.num_pressures()],
-            lambda: vec![0.0; self.held.len()],
+            lambda: vec![0.0; self.num_constraints()],
         };
-        let mut start = Load::default();
+        let mut start = LoadParameter::default();
         let mut states = Vec::new();
-        for target in loads {
-            let mut corrections = Vec::new();
+        for &target in parameters {
+            let (target, mut corrections) = (target.into(), Vec::new());
+            let way = target - start;
+            let at = |fraction: f64| if fraction < 1.0 { start + fraction * way } else { target };
             // Fractions of the way from `start` to `target`.
-            let way = (target.pressure_kpa - start.pressure_kpa).abs();
-            let (mut done, mut stride) = (0.0, 1.0 / (way / options.max_step_kpa).ceil().max(1.0));
+            let (mut done, mut stride) = (0.0, 1.0 / (way.abs() / options.max_step).ceil().max(1.0));
             while done < 1.0 {
                 let next: f64 = done + stride;
                 let next = if next > 1.0 - 1e-9 { 1.0 } else { next };
-                let load = self.between(&start, target, next)?;
-                match self.newton(unknowns.clone(), &load, options, &mut corrections)? {
+                match self.newton(unknowns.clone(), at(next), options, &mut corrections)? {
                     Ok(converged) => (unknowns, done) = (converged, next),
                     Err(cause) => {
                         stride /= 2.0;
                         if stride < options.min_fraction {
-                            let from_kpa = self.between(&start, target, done)?.pressure_kpa;
-                            return Err(ReferenceError::NotConverged { from_kpa, to_kpa: load.pressure_kpa, cause });
+                            return Err(ReferenceError::NotConverged { from: at(done), to: at(next), cause });
                         }
                     }
                 }
             }
-            states.push(self.state(&unknowns, target.pressure_kpa, corrections));
-            start = target.clone();
+            states.push(self.state(&unknowns, target, corrections));
+            start = target;
         }
         Ok(states)
     }
@@ -231,13 +324,14 @@ impl ReferenceSolver {
     fn newton(
         &self,
         mut unknowns: Unknowns,
-        load: &Load,
+        parameter: LoadParameter,
         options: &PathOptions,
         corrections: &mut Vec<f64>,
     ) -> Result<Result<Unknowns, String>, ReferenceError> {
         let (n, m) = (unknowns.u.len(), unknowns.p.len());
+        let prescribed = self.prescribed(parameter);
         for _ in 0..options.max_iterations {
-            let system = self.kkt_system(&unknowns.u, &unknowns.p, &unknowns.lambda, load)?;
+            let system = self.kkt_system(&unknowns.u, &unknowns.p, &unknowns.lambda, parameter, &prescribed)?;
             let Some(step) = system.solve() else {
                 return Ok(Err("the Newton system is singular or not finite".into()));
             };
@@ -259,35 +353,21 @@ impl ReferenceSolver {
         Ok(Err(format!("{} Newton iterations were not enough", options.max_iterations)))
     }
 
-    fn between(&self, start: &Load, target: &Load, fraction: f64) -> Result<Load, ReferenceError> {
-        let blend = |a: f64, b: f64| if fraction < 1.0 { a + fraction * (b - a) } else { b };
-        let mut prescribed = vec![0.0; self.solid.num_dofs()];
-        let ends = self.prescribed(start)?.into_iter().zip(self.prescribed(target)?);
-        for (&dof, (a, b)) in self.held.iter().zip(ends) {
-            prescribed[dof] = blend(a, b);
-        }
-        Ok(Load { pressure_kpa: blend(start.pressure_kpa, target.pressure_kpa), prescribed })
-    }
-
-    /// Prescribed displacements of the held degrees of freedom, in their order.
-    fn prescribed(&self, load: &Load) -> Result<Vec<f64>, ReferenceError> {
-        if load.prescribed.is_empty() {
-            return Ok(vec![0.0; self.held.len()]);
-        }
-        check("the vector of prescribed displacements", &load.prescribed, self.solid.num_dofs())?;
-        Ok(self.held.iter().map(|&dof| load.prescribed[dof]).collect())
-    }
-
-    fn state(&self, unknowns: &Unknowns, pressure_kpa: f64, corrections: Vec<f64>) -> ReferenceState {
+    fn state(&self, unknowns: &Unknowns, parameter: LoadParameter, corrections: Vec<f64>) -> ReferenceState {
+        let Unknowns { u, p, lambda } = unknowns;
         let mut multiplier = vec![0.0; self.solid.num_dofs()];
-        for (&dof, &lambda) in self.held.iter().zip(&unknowns.lambda) {
-            multiplier[dof] = lambda;
-        }
+        self.held.iter().zip(lambda).for_each(|(&dof, &lambda)| multiplier[dof] = lambda);
+        let mut liquids = self.of_liquids(lambda).iter();
+        let pressure = |cavity: &CavityModel| {
+            let multiplier = if cavity.is_constrained() { liquids.next() } else { None };
+            multiplier.map_or_else(|| cavity.pressure(u, parameter), |multiplier| -multiplier)
+        };
         ReferenceState {
-            pressure_kpa,
-            displacement: unknowns.u.clone(),
+            parameter,
+            displacement: u.clone(),
             multiplier,
-            element_pressure: unknowns.p.clone(),
+            cavity_pressure: self.cavities.iter().map(pressure).collect(),
+            element_pressure: p.clone(),
             corrections,
         }
     }

@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh, MeshSize};
-use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Invariant, Material, Problem, Support};
+use pneuflex_model::{
+    Contact, ContactMethod, ContactPair, Curve, Formulation, Invariant, Material, Motion, Problem, Support,
+};
 
 pub const INVARIANTS: [Invariant; 2] = [Invariant::Full, Invariant::Isochoric];
 
@@ -33,6 +35,17 @@ pub fn hold(problem: &mut Problem, axes: [bool; 3], predicate: impl Fn([f64; 3])
     let nodes = problem.mesh.select_nodes(predicate);
     assert!(!nodes.is_empty(), "a support that holds nothing");
     problem.supports.push(Support { name: "test".into(), nodes, axes, motion: None });
+}
+
+/// Moves every held node to its place in `displacement` (three per node) while the load parameter goes from 0 to 1.
+pub fn move_supports(problem: &mut Problem, displacement: &[f64]) {
+    let moved = |support: &Support, node: u32| {
+        let displacement = std::array::from_fn(|axis| displacement[3 * node as usize + axis]);
+        let motion = Some(Motion { displacement, curve: Curve::Proportional(1.0) });
+        Support { nodes: vec![node], motion, ..support.clone() }
+    };
+    let supports = problem.supports.iter().flat_map(|support| support.nodes.iter().map(|&node| moved(support, node)));
+    problem.supports = supports.collect();
 }
 
 /// Two coarse chambers as in the theory with a given gap between their walls.

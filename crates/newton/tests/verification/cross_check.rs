@@ -14,15 +14,16 @@ use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{Actuator, Mesh};
 use pneuflex_model::{
-    ContactMethod, ContactPair, Formulation, Invariant, Law, LoadParameter, MPA_PER_KPA, Material, Pressure, Problem,
-    Region, Volumetric,
+    ContactMethod, ContactPair, Formulation, Invariant, Law, LoadParameter, Material, Pressure, Problem, Region,
+    Volumetric,
 };
 use pneuflex_newton::{State, System};
-use pneuflex_reference::{AirModel, Load, PathOptions, ReferenceSolver, SolidModel};
+use pneuflex_reference::pressure::{ACROSS_Y, CLOSED};
+use pneuflex_reference::{AirModel, PathOptions, ReferenceSolver, SolidModel};
 
 use crate::fixtures::{
-    INVARIANTS, RIM_AT_Y_0, actuator_problem, assert_same_states, body, coarse_chambers, dense, difference,
-    displacement, follow, follow_reference, noise, strict, sum, touching,
+    INVARIANTS, actuator_problem, assert_same_states, body, coarse_chambers, dense, difference, displacement, follow,
+    follow_reference, noise, strict, sum, touching,
 };
 
 /// Energy, gradient and Hessian.
@@ -157,7 +158,7 @@ fn pressure() {
         let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
         pressure.pressure = Pressure::from_mpa(0.3);
         let u = leaning(&problem);
-        let reference = AirModel::new(&problem, RIM_AT_Y_0).unwrap();
+        let reference = AirModel::new(&problem, &problem.cavity_facets(), ACROSS_Y, 0.0).unwrap();
         let volume = reference.volume(u.as_flattened());
         assert!((pressure.volume(&u) / volume - 1.0).abs() < 1e-13);
         let found = assembled(&[&pressure], &u);
@@ -235,20 +236,20 @@ fn global_residual_and_tangent() {
     ] {
         let problem = coarse_chambers(formulation, invariant, method);
         let (u, p_kpa) = (leaning(&problem), 35.0);
-        let p = p_kpa * MPA_PER_KPA;
+        let parameter = LoadParameter(p_kpa);
         let solid = Solid::new(problem.mesh.clone(), formulation, &problem.material).unwrap();
         let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
-        pressure.pressure = Pressure::from_mpa(p);
+        pressure.pressure = Pressure::from_kpa(p_kpa);
         let contact = touching_forces(&problem, &u);
         let deepest =
             contact.touching().iter().flat_map(|block| &block.points).fold(0.0, |d: f64, point| d.max(-point.distance));
         assert!(contact.num_active() >= 4 && (0.05..0.3).contains(&deepest), "{} {deepest}", contact.num_active());
 
-        let reference = ReferenceSolver::with_volume_weights(&problem, RIM_AT_Y_0).unwrap();
+        let reference = ReferenceSolver::new(&problem).unwrap();
         let found = assembled(&[&solid, &pressure, &contact], &u);
-        let energy = found.energy / reference.energy(u.as_flattened(), p) - 1.0;
-        let gradient = difference(&found.gradient, &reference.gradient(u.as_flattened(), p));
-        let hessian = reference.hessian(u.as_flattened(), p);
+        let energy = found.energy / reference.energy(u.as_flattened(), parameter) - 1.0;
+        let gradient = difference(&found.gradient, &reference.gradient(u.as_flattened(), parameter));
+        let hessian = reference.hessian(u.as_flattened(), parameter);
         let tangent = difference(&free_part(&found.hessian, &problem), &free_part(&hessian, &problem));
         assert!(
             energy.abs() < 1e-12 && gradient < 1e-12 && tangent < 1e-12,
@@ -309,7 +310,7 @@ fn one_newton_step() {
         let carried = solid.element_pressures(&u, Some(&earlier));
         assert!(difference(&carried, &solid.element_pressures(&u, None)) > 1e-3);
 
-        let reference = ReferenceSolver::with_volume_weights(&problem, RIM_AT_Y_0).unwrap();
+        let reference = ReferenceSolver::new(&problem).unwrap();
         let multipliers: Vec<f64> = noise(n, 1.0, 6).as_flattened()[..reference.held().len()].to_vec();
         let across_rim = is_across_rim(&problem);
         let mut moved = noise(n, 0.1, 7);
@@ -324,11 +325,15 @@ fn one_newton_step() {
             let correction = system.solve(&tangent, &assembled, prescribed.as_deref()).unwrap();
             let updated = system.multipliers(&tangent, &assembled, &correction).unwrap();
 
-            let load = Load {
-                pressure_kpa: p_kpa,
-                prescribed: prescribed.map_or(Vec::new(), |values| values.as_flattened().to_vec()),
-            };
-            let kkt = reference.kkt_system(u.as_flattened(), &carried, &multipliers, &load).unwrap();
+            let moved = prescribed.unwrap_or_else(|| vec![[0.0; 3]; n]);
+            let kkt = reference.kkt_system(
+                u.as_flattened(),
+                &carried,
+                &multipliers,
+                LoadParameter(p_kpa),
+                moved.as_flattened(),
+            );
+            let kkt = kkt.unwrap();
             let step = kkt.solve().unwrap();
             let (dofs, pressures) = (3 * n, carried.len());
             let displacements = difference(correction.displacement.as_flattened(), &step.as_slice()[..dofs]);
@@ -451,15 +456,16 @@ fn reference_volume_by_thirds_adds_forces_on_the_rim_only() {
     let problem = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint);
     let across_rim = is_across_rim(&problem);
     let u = leaning(&problem);
-    let [thirds, rim_at_y_0] = [[1.0 / 3.0; 3], RIM_AT_Y_0]
-        .map(|weights| AirModel::new(&problem, weights).unwrap().gradient(u.as_flattened(), 0.035));
-    let extra = thirds - rim_at_y_0;
+    let facets = problem.cavity_facets();
+    let [thirds, across_y] = [CLOSED, ACROSS_Y]
+        .map(|weights| AirModel::new(&problem, &facets, weights, 0.0).unwrap().gradient(u.as_flattened(), 0.035));
+    let extra = thirds - across_y;
     assert!(extra.amax() > 1e-2, "{:.1e} N", extra.amax());
     for (dof, force) in extra.iter().enumerate() {
         assert!(across_rim[dof] || force.abs() < 1e-13, "{force:.1e} N at degree of freedom {dof}");
     }
 
-    let by_thirds = ReferenceSolver::new(&problem).unwrap();
+    let by_thirds = ReferenceSolver::with_volume_weights(&problem, CLOSED).unwrap();
     let state = by_thirds.follow_path(&[20.0], &PathOptions::default()).unwrap().remove(0);
     let reached = follow(&problem, &[20.0], &strict()).remove(0);
     assert!(difference(reached.displacement.as_flattened(), &state.displacement) < 1e-8);

@@ -1,6 +1,7 @@
 //! The production path against the reference solver and against itself; closed forms are in `pneuflex-verification`.
 //!
 //! * [`cross_check`]: element, contribution, global residual and tangent, one Newton step, load path (theory §16).
+//! * [`cross_check_loads`]: load paths with every load, constraint, obstacle and contact law that the reference has.
 //! * [`snapshots`]: what the two standard cases come out at, production and reference alike.
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
@@ -12,6 +13,7 @@
 
 mod balance;
 mod cross_check;
+mod cross_check_loads;
 mod fixtures;
 mod loads;
 mod obstacles;

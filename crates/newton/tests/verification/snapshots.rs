@@ -117,12 +117,12 @@ fn reference_json(problem: &Problem, solver: &ReferenceSolver, states: &[Referen
     let described = states.iter().map(|state| {
         let u = &state.displacement;
         State {
-            pressure_kpa: state.pressure_kpa,
+            pressure_kpa: state.parameter.0,
             displacement: u.as_chunks().0,
             reaction: state.reaction().as_chunks().0,
             contact_points: touching(solver, state),
             energies: [solver.solid().energy(u), solver.contact().energy(u)],
-            cavity_volume: solver.air().volume(u),
+            cavity_volume: solver.cavities()[0].volume(u).unwrap(),
         }
         .to_json(problem)
     });
