@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 19] = [
+const ARROWS: [(&str, &[&str]); 20] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
@@ -16,12 +16,13 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ("assembly", &["mesh", "model", "material", "laws", "contact", "factor"]),
     ("newton", &["mesh", "model", "contact", "assembly", "factor"]),
     ("post", &["mesh", "model", "material", "laws", "contact", "assembly"]),
+    ("plot", &["mesh", "model", "post"]),
     ("reference", &["mesh", "model"]),
     ("rod", &["mesh", "model", "newton", "post"]),
     ("report", &["mesh", "model", "post"]),
     ("calibration", &["model", "laws"]),
     ("deck", &["mesh", "model"]),
-    ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "post", "report", "rod"]),
+    ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("cli", &["pneuflex"]),
     ("benches", &["pneuflex"]),
     ("verification", &["mesh", "model", "contact", "assembly", "factor", "newton", "post"]),

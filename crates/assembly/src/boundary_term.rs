@@ -1,4 +1,4 @@
-//! The part of a pressure's tangent that is not symmetric.
+//! The part of a pressure's tangent that is not symmetric (theory §4.3).
 //!
 //! The derivative of ∫ w·p n dS on a deformed surface is symmetric but for a term along its rim: with tangents r_ξ, r_η and integration by
 //! parts, its skew part is ½ p ∮ w·(δu × dr), around the outward normal (Schweizerhof & Ramm 1984, *Computers & Structures* 18, 1099). [`crate::FollowerPressure`] adds

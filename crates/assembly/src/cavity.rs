@@ -1,4 +1,4 @@
-//! Air or a liquid behind faces: its pressure is given, or follows from its volume or from an amount of gas (theory §13).
+//! Air or a liquid behind faces: its pressure is given, or follows from its volume or from an amount of gas (theory §4.4).
 //!
 //! | what is given | unknown | equation g | column B |
 //! |---|---|---|---|

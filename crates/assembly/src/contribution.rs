@@ -77,7 +77,7 @@ pub trait Contribution: Send + Sync {
 }
 
 /// The equation g(u, y) = 0 of an unknown y beside the displacements, which acts on the body along a column B of forces:
-/// r(u, y) = r(u) + y B(u) (theory §13).
+/// r(u, y) = r(u) + y B(u) (theory §6.5).
 #[derive(Clone, Debug)]
 pub struct BorderedEquation {
     /// g, in the unit of `scale`.
@@ -92,7 +92,7 @@ pub struct BorderedEquation {
     pub column: Vec<[f64; 3]>,
 }
 
-/// A contribution whose tangent may be taken with stresses of its own (mixed linearisation, theory §10): pressures of elements, tractions
+/// A contribution whose tangent may be taken with stresses of its own (mixed linearisation, theory §11): pressures of elements, tractions
 /// of contact points. The residual is not touched.
 pub trait Mixed {
     /// Takes the stresses that the linear system predicts. With a correction, its displacement is that of the position taken last.

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use pneuflex::convergence::{AtPressure, Level, LevelEvent, Measured};
 use pneuflex::model::Case;
-use pneuflex::post::PostError;
-use pneuflex::post::chart::{Chart, Series, Style};
+use pneuflex::plot::PlotError;
+use pneuflex::plot::chart::{Chart, Series, Style};
 use pneuflex::post::convergence::Extrapolated;
 use pneuflex::words::thousands;
 use pneuflex::{CaseFile, Estimate, OutputFolder, json};
@@ -101,7 +101,7 @@ fn report(levels: &[Level], results: &[AtPressure]) -> String {
 }
 
 /// Deviation from the extrapolated values over the element size, at the last pressure.
-fn chart(case: &Case, levels: &[Level], results: &[AtPressure]) -> Result<Chart, PostError> {
+fn chart(case: &Case, levels: &[Level], results: &[AtPressure]) -> Result<Chart, PlotError> {
     let pressure = results.last().map_or(0.0, |at| at.pressure_kpa);
     let series = |name: &str, value: fn(&Measured) -> f64, limit: Option<&Extrapolated>| {
         let points = levels

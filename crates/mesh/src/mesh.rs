@@ -133,6 +133,26 @@ impl Mesh {
         jacobian
     }
 
+    /// For every node the lowest node of its part: nodes that elements join belong to one part.
+    pub fn parts(&self) -> Vec<usize> {
+        fn root(part: &mut [usize], mut node: usize) -> usize {
+            while part[node] != node {
+                part[node] = part[part[node]];
+                node = part[node];
+            }
+            node
+        }
+        let mut part: Vec<usize> = (0..self.num_nodes()).collect();
+        for element in 0..self.num_elements() {
+            let nodes = self.element(element);
+            for &node in &nodes[1..] {
+                let (a, b) = (root(&mut part, nodes[0] as usize), root(&mut part, node as usize));
+                part[a.max(b)] = a.min(b);
+            }
+        }
+        (0..self.num_nodes()).map(|node| root(&mut part, node)).collect()
+    }
+
     /// Largest extent along an axis, mm.
     pub fn extent(&self) -> f64 {
         let along = |d: usize| {

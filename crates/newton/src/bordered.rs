@@ -1,4 +1,4 @@
-//! Unknowns beside the displacements border the tangent: pressures of cavities whose volume or gas is given, multipliers of linear
+//! Unknowns beside the displacements border the tangent (theory §6.5): pressures of cavities whose volume or gas is given, multipliers of linear
 //! equations. Their equations are the contributions' ([`BorderedEquation`]); here they are solved.
 //!
 //! With g linearised as g + s Bᵀδu + h δy, the columns Y = −K⁻¹B, and a = −K⁻¹r the bordered system leaves
@@ -60,7 +60,7 @@ mod tests {
         // δu = a + Y δy satisfies the equation.
         assert_eq!(equation.value + correction[0] + responses[0][0] * found[0], 0.0);
         assert_eq!(negative_eigenvalues(std::slice::from_ref(&equation), &responses), 1);
-        assert_eq!(violation(&[equation.clone()]), 1.5);
+        assert_eq!(violation(std::slice::from_ref(&equation)), 1.5);
         let repeated = [equation.clone(), equation];
         let twice = [responses[0].clone(), responses[0].clone()];
         assert_eq!(eliminate(&repeated, &twice, &correction), None);

@@ -1,5 +1,6 @@
 //! When a state counts as an equilibrium.
 
+use pneuflex_assembly::LocalError;
 use pneuflex_model::{Material, Problem, Solver};
 
 use crate::bordered;
@@ -70,17 +71,26 @@ pub struct Criteria {
 
 impl Criteria {
     /// The tolerances for an attempt that starts at a state.
-    pub fn new(system: &mut System, settings: &Solver, scales: &Scales, start: &State, has_motion: bool) -> Self {
-        let load = system.load_norm(start).max(f64::MIN_POSITIVE);
+    ///
+    /// # Errors
+    /// [`LocalError`] of a load that cannot be evaluated.
+    pub fn new(
+        system: &mut System,
+        settings: &Solver,
+        scales: &Scales,
+        start: &State,
+        has_motion: bool,
+    ) -> Result<Self, LocalError> {
+        let load = system.load_norm(start)?.max(f64::MIN_POSITIVE);
         let unknowns = system.held().iter().filter(|held| !**held).count() as f64;
-        Self {
+        Ok(Self {
             load,
             rounding: scales.rounding(&start.displacement).min(MOST_ROUNDING * settings.residual_tolerance * load),
             tolerance: settings.tolerance,
             rounded_tolerance: settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0),
             residual_tolerance: settings.residual_tolerance,
             is_driven: has_motion || !start.bordered.is_empty(),
-        }
+        })
     }
 
     /// Whether a correction is small enough for the residual after it to be worth a look.
@@ -89,13 +99,65 @@ impl Criteria {
     }
 
     /// Whether what was assembled at a state is small enough.
-    pub fn are_met(&self, system: &mut System, state: &State, assembled: &Assembled) -> bool {
+    ///
+    /// # Errors
+    /// [`LocalError`] of a load that cannot be evaluated.
+    pub fn are_met(&self, system: &mut System, state: &State, assembled: &Assembled) -> Result<bool, LocalError> {
         if bordered::violation(&assembled.equations) > self.residual_tolerance {
-            return false;
+            return Ok(false);
         }
         let driven =
-            if self.is_driven { system.load_norm(state).max(system.held_norm(&assembled.residual)) } else { 0.0 };
+            if self.is_driven { system.load_norm(state)?.max(system.held_norm(&assembled.residual)) } else { 0.0 };
         let tolerance = self.residual_tolerance * self.load.max(driven);
-        system.free_norm(&assembled.residual) <= tolerance.max(self.rounding).max(RESIDUAL_FLOOR)
+        Ok(system.free_norm(&assembled.residual) <= tolerance.max(self.rounding).max(RESIDUAL_FLOOR))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Springs, cube};
+
+    fn scales() -> Scales {
+        Scales { size: 1.0, rounding_per_mm: 0.0, inexact_stretch: 0.05 }
+    }
+
+    #[test]
+    fn a_state_is_an_equilibrium_when_residual_and_constraint_are_small() {
+        let mesh = cube();
+        let settings = Solver::default();
+        let mut system = Springs::new(&mesh, 4.0).system(&mesh);
+        let mut state = State::at_rest(8, 0).moved_to(2.0.into());
+        let criteria = Criteria::new(&mut system, &settings, &scales(), &state, false).unwrap();
+        // 2 N along x at seven free nodes.
+        assert!((criteria.load - 28.0_f64.sqrt()).abs() < 1e-12, "{}", criteria.load);
+        let assembled = system.residual(&state).unwrap();
+        assert!(!criteria.are_met(&mut system, &state, &assembled).unwrap());
+        state.displacement[1..].fill([0.5, 0.0, 0.0]);
+        let assembled = system.residual(&state).unwrap();
+        assert!(criteria.are_met(&mut system, &state, &assembled).unwrap());
+
+        // Without its multiplier a constraint leaves forces; with it and the wrong sum it is violated.
+        let mut system = Springs::new(&mesh, 4.0).constrained().system(&mesh);
+        let mut state = State::new(1.4, vec![[0.2, 0.0, 0.0]; 8], vec![-0.8]);
+        state.displacement[0] = [0.0; 3];
+        let criteria = Criteria::new(&mut system, &settings, &scales(), &state, false).unwrap();
+        let assembled = system.residual(&state).unwrap();
+        assert!(criteria.are_met(&mut system, &state, &assembled).unwrap());
+        let elsewhere = state.moved_to(1.5.into());
+        let assembled = system.residual(&elsewhere).unwrap();
+        assert!(!criteria.are_met(&mut system, &elsewhere, &assembled).unwrap());
+    }
+
+    #[test]
+    fn a_correction_that_is_no_number_is_never_small() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, 4.0).system(&mesh);
+        let state = State::at_rest(8, 0).moved_to(2.0.into());
+        let criteria = Criteria::new(&mut system, &Solver::default(), &scales(), &state, false).unwrap();
+        for norm in [f64::NAN, f64::INFINITY, 1.0] {
+            assert!(!criteria.may_be_met(&Measures { norm, ..Measures::default() }), "{norm}");
+        }
+        assert!(criteria.may_be_met(&Measures::default()));
     }
 }

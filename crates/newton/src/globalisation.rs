@@ -1,4 +1,4 @@
-//! Globalisation of Newton's method: which tangent the next correction comes from, and what becomes of it.
+//! Globalisation of Newton's method (theory §13): which tangent the next correction comes from, and what becomes of it.
 //!
 //! One object sees every correction and returns a [`Verdict`]. What it does beyond Newton's own method: a factor is used again while it
 //! contracts (modified Newton), a correction from a tangent that is nearly singular is found once more with the stresses of the last

@@ -1,6 +1,7 @@
 //! Newton–Raphson with mixed linearisation, rotation updates and load stepping.
 //!
-//! * [`contributions`]: the list of what a problem's energy and residual consist of; [`system`]: their sum at a state.
+//! * [`contributions`]: the list of what a problem's energy and residual consist of; [`system`]: their sum at a state,
+//!   `unilateral`: its contact.
 //! * [`state`]: the unknowns, and an equilibrium; [`linearisation`]: what a tangent is made from.
 //! * [`tangent_solver`]: solutions with a tangent: its factor, `bordered` unknowns, an unsymmetric part.
 //! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is.
@@ -30,7 +31,10 @@ mod stability;
 pub mod state;
 pub mod system;
 pub mod tangent_solver;
+#[cfg(test)]
+mod testing;
 pub mod timing;
+mod unilateral;
 
 pub use checkpoint::Checkpoint;
 pub use error::{AssembleError, ResumeError, SetupError};

@@ -1,4 +1,4 @@
-//! What a tangent is assembled from: a state, and the stresses that its geometric term carries (mixed linearisation, theory §10).
+//! What a tangent is assembled from: a state, and the stresses that its geometric term carries (mixed linearisation, theory §11).
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The rotation update of displacements (theory §11; as in the rotation-strain warping of Huang et al. 2011).
+//! The rotation update of displacements (theory §12; as in the rotation-strain warping of Huang et al. 2011).
 //!
 //! A Newton correction δu of a bending body is mostly rotation, and a rotation applied along straight lines stretches
 //! everything. So the correction's gradient is taken as a rate: with D = δF F⁻¹ the deformation gradient aimed at is
@@ -15,6 +15,8 @@ use pneuflex_assembly::{Assembler, LocalBlock, LocalContribution, LocalError, Re
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::{Mesh, with_num_nodes};
 use rayon::prelude::*;
+
+use crate::error::AssembleError;
 
 /// The Laplacians of a mesh, factorised.
 pub struct RotationUpdate {
@@ -72,7 +74,7 @@ impl RotationUpdate {
     ///
     /// # Errors
     /// If the state before the correction is turned inside out.
-    pub fn apply(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), LocalError> {
+    pub fn apply(&mut self, displacement: &mut [[f64; 3]], correction: &[[f64; 3]]) -> Result<(), AssembleError> {
         let rotation = Rotation { mesh: &self.mesh, points: &self.points, correction };
         self.assembler.reset(&mut self.totals, Request::Residual);
         self.assembler.add_changing(&rotation, displacement, Request::Residual, &mut self.totals)?;
@@ -85,10 +87,7 @@ impl RotationUpdate {
                 .flat_map(|&axis| (0..n).map(move |node| (node, axis)))
                 .map(|(node, axis)| if self.held[3 * node + axis] { 0.0 } else { self.totals.residual[node][axis] })
                 .collect();
-            // The factor and the right-hand sides have the sizes of the mesh: nothing can fail here.
-            if factor.solve_in_place(&mut rhs, axes.len()).is_err() {
-                rhs.fill(0.0);
-            }
+            factor.solve_in_place(&mut rhs, axes.len())?;
             for (&axis, values) in axes.iter().zip(rhs.chunks_exact(n)) {
                 for (node, value) in values.iter().enumerate() {
                     displacement[node][axis] += correction[node][axis] + value;
@@ -155,34 +154,16 @@ impl RotationUpdate {
 /// Marks a node of every part of a mesh and every axis along which none of its nodes is held.
 fn with_a_held_node_in_every_part(mesh: &Mesh, held: &[bool]) -> Vec<bool> {
     let mut held = held.to_vec();
-    let mut part: Vec<usize> = (0..mesh.num_nodes()).collect();
-    // Every node's root is the smallest node of its part that is known so far.
-    fn root(part: &mut [usize], mut node: usize) -> usize {
-        while part[node] != node {
-            part[node] = part[part[node]];
-            node = part[node];
-        }
-        node
-    }
-    for element in 0..mesh.num_elements() {
-        let nodes = mesh.element(element);
-        for &node in &nodes[1..] {
-            let (a, b) = (root(&mut part, nodes[0] as usize), root(&mut part, node as usize));
-            part[a.max(b)] = a.min(b);
-        }
-    }
+    let first = mesh.parts();
     let mut is_held = vec![[false; 3]; mesh.num_nodes()];
     for node in 0..mesh.num_nodes() {
-        let first = root(&mut part, node);
         for axis in 0..3 {
-            is_held[first][axis] |= held[3 * node + axis];
+            is_held[first[node]][axis] |= held[3 * node + axis];
         }
     }
-    for node in 0..mesh.num_nodes() {
-        if part[node] == node {
-            for axis in 0..3 {
-                held[3 * node + axis] |= !is_held[node][axis];
-            }
+    for node in (0..mesh.num_nodes()).filter(|&node| first[node] == node) {
+        for axis in 0..3 {
+            held[3 * node + axis] |= !is_held[node][axis];
         }
     }
     held

@@ -1,4 +1,4 @@
-//! How firm an equilibrium is ([`Stability`](crate::Stability)): its inertia comes with the tangent (`tangent_solver`); here is how much
+//! How firm an equilibrium is ([`Stability`](crate::Stability), theory §15): its inertia comes with the tangent (`tangent_solver`); here is how much
 //! it gives way.
 
 use crate::error::AssembleError;

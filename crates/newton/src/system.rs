@@ -25,7 +25,7 @@ const STRAIGHT_BELOW: f64 = 1e-3;
 
 /// The discretised equations of a [`Problem`] with everything that is reused from iteration to iteration.
 pub struct System {
-    contributions: Vec<Box<dyn Contribution>>,
+    pub(crate) contributions: Vec<Box<dyn Contribution>>,
     mixed: MixedLinearisation,
     assembler: Assembler,
     symbolic: Arc<Symbolic<3>>,
@@ -135,7 +135,8 @@ impl System {
         let pattern = Arc::clone(self.assembler.pattern());
         let factorised = Tangent::new(pattern, buffers, unsymmetric, linearisation, self.parallelism);
         self.timing.factor_s += start.elapsed().as_secs_f64();
-        let mut tangent = factorised.map_err(|(error, buffers)| {
+        let mut tangent = factorised.map_err(|ended| {
+            let (error, buffers) = *ended;
             self.buffers = Some(buffers);
             error
         })?;
@@ -200,8 +201,8 @@ impl System {
     /// Applies a correction found at a state: the mixed linearisation's stresses follow, displacements move by its rotation update.
     ///
     /// # Errors
-    /// [`LocalError`] if the state before the correction is turned inside out.
-    pub fn apply(&mut self, state: &mut State, correction: &Correction) -> Result<(), LocalError> {
+    /// [`AssembleError::Local`] if the state before the correction is turned inside out.
+    pub fn apply(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         self.predict(&state.displacement, Some(&correction.displacement));
         self.move_by(state, correction)
     }
@@ -210,7 +211,7 @@ impl System {
     ///
     /// # Errors
     /// As [`Self::apply`].
-    pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), LocalError> {
+    pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         let start = Instant::now();
         let moved = if correction.largest() < STRAIGHT_BELOW {
             let pairs = state.displacement.as_flattened_mut().iter_mut().zip(correction.displacement.as_flattened());
@@ -243,7 +244,10 @@ impl System {
     }
 
     /// Norm of the loads on the free degrees of freedom at a state, N: the scale of the residual.
-    pub fn load_norm(&mut self, state: &State) -> f64 {
+    ///
+    /// # Errors
+    /// [`LocalError`] of a load that cannot be evaluated.
+    pub fn load_norm(&mut self, state: &State) -> Result<f64, LocalError> {
         let mut totals = Totals::default();
         self.assembler.reset(&mut totals, Request::Residual);
         let mut index = 0;
@@ -253,14 +257,13 @@ impl System {
             if contribution.is_load() {
                 contribution.set_position(Position { bordered: own, ..state.position() });
                 if let Some(blocks) = contribution.blocks() {
-                    // Loads have no state that could fail.
-                    let _ = self.assembler.add(index, blocks, &state.displacement, Request::Residual, &mut totals);
+                    self.assembler.add(index, blocks, &state.displacement, Request::Residual, &mut totals)?;
                 }
                 contribution.add_forces(&mut totals.residual);
             }
             index += usize::from(has_fixed_blocks(contribution.as_ref()));
         }
-        self.free_norm(&totals.residual)
+        Ok(self.free_norm(&totals.residual))
     }
 
     /// Norm of a nodal field over the free degrees of freedom.
@@ -299,48 +302,6 @@ impl System {
     /// The contributions' history goes back to the last state of equilibrium.
     pub fn revert(&mut self) {
         self.contributions.iter_mut().for_each(|contribution| contribution.revert());
-    }
-
-    /// Largest penetration of a contact point at a displacement, mm; 0 where nothing touches.
-    pub fn deepest_penetration(&mut self, displacement: &[[f64; 3]]) -> f64 {
-        let start = Instant::now();
-        let deepest = |contact: &dyn Unilateral| contact.deepest_penetration(displacement);
-        let depth = unilateral(&self.contributions).map(deepest).fold(0.0, f64::max);
-        self.timing.contact_s += start.elapsed().as_secs_f64();
-        depth
-    }
-
-    /// Number of contact points, touching or not.
-    pub fn num_contact_points(&self) -> usize {
-        unilateral(&self.contributions).map(Unilateral::num_points).sum()
-    }
-
-    /// Traction that every contact point carries without penetration, MPa; empty for none.
-    pub fn contact_multipliers(&self) -> Vec<f64> {
-        unilateral(&self.contributions).flat_map(|contact| contact.multipliers().to_vec()).collect()
-    }
-
-    /// Sets them. There must be none or as many as contact points.
-    pub fn set_contact_multipliers(&mut self, multipliers: &[f64]) {
-        let mut left = multipliers;
-        for contact in self.contributions.iter_mut().filter_map(|contribution| contribution.unilateral_mut()) {
-            let (own, rest) = left.split_at(contact.num_points().min(left.len()));
-            contact.set_multipliers(own.to_vec());
-            left = rest;
-        }
-    }
-
-    /// Tractions ⟨λ − k d⟩ of all contact points at a displacement, MPa, and the largest |d| of those that carry one, mm.
-    pub fn contact_tractions(&mut self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
-        let start = Instant::now();
-        let (mut tractions, mut distance) = (Vec::new(), 0.0_f64);
-        for contact in unilateral(&self.contributions) {
-            let (own, largest) = contact.tractions(displacement);
-            tractions.extend(own);
-            distance = distance.max(largest);
-        }
-        self.timing.contact_s += start.elapsed().as_secs_f64();
-        (tractions, distance)
     }
 
     fn take_position(&mut self, state: &State) {
@@ -413,7 +374,7 @@ fn split<'a>(bordered: &mut &'a [f64], contribution: &dyn Contribution) -> &'a [
     own
 }
 
-fn unilateral(contributions: &[Box<dyn Contribution>]) -> impl Iterator<Item = &dyn Unilateral> {
+pub(crate) fn unilateral(contributions: &[Box<dyn Contribution>]) -> impl Iterator<Item = &dyn Unilateral> {
     contributions.iter().filter_map(|contribution| contribution.unilateral())
 }
 

@@ -66,13 +66,13 @@ impl Tangent {
         (couplings, held): (Couplings, Arc<[bool]>),
         linearisation: Linearisation,
         parallelism: Parallelism,
-    ) -> Result<Self, (FactorError, Buffers)> {
+    ) -> Result<Self, Box<(FactorError, Buffers)>> {
         match buffers.factor.factorize(&buffers.values, &held, parallelism) {
             Ok(inertia) => {
                 let negative_pivots = inertia.negative;
                 Ok(Self { pattern, buffers, couplings, held, negative_pivots, linearisation })
             }
-            Err(error) => Err((error, buffers)),
+            Err(error) => Err(Box::new((error, buffers))),
         }
     }
 
@@ -218,5 +218,83 @@ impl Tangent {
             *value = if *held { -(*value + r) } else { 0.0 };
         }
         Ok(product)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::State;
+    use crate::testing::{Springs, cube};
+
+    /// Springs of 4 N/mm under 2 N at every node but the held one: half a millimetre, and the support carries the last 2 N.
+    #[test]
+    fn a_linear_system_is_solved_by_one_correction() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, 4.0).system(&mesh);
+        let state = State::at_rest(8, 0).moved_to(2.0.into());
+        let (assembled, tangent) = system.tangent(&state).unwrap();
+        assert_eq!((tangent.negative_pivots(), tangent.is_unsymmetric()), (0, false));
+        let correction = system.solve(&tangent, &assembled, None).unwrap();
+        for (node, u) in correction.displacement.iter().enumerate() {
+            assert_eq!(*u, if node == 0 { [0.0; 3] } else { [0.5, 0.0, 0.0] });
+        }
+        let multipliers = system.multipliers(&tangent, &assembled, &correction).unwrap();
+        assert_eq!((multipliers[0], &multipliers[1..]), (2.0, &[0.0; 23][..]));
+        // The same when the held node is moved.
+        let moved: Vec<[f64; 3]> = (0..8).map(|node| if node == 0 { [0.0, 1.5, 0.0] } else { [9.0; 3] }).collect();
+        let correction = system.solve(&tangent, &assembled, Some(&moved)).unwrap();
+        assert_eq!(correction.displacement[..2], [[0.0, 1.5, 0.0], [0.5, 0.0, 0.0]]);
+        assert_eq!(system.multipliers(&tangent, &assembled, &correction).unwrap()[1], -6.0);
+    }
+
+    #[test]
+    fn negative_springs_are_counted_unless_a_constraint_or_missing_potential_forbids() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, -1.0).system(&mesh);
+        assert_eq!(system.tangent(&State::at_rest(8, 0)).unwrap().1.negative_pivots(), 21);
+        let mut system = Springs::new(&mesh, -1.0).constrained().system(&mesh);
+        assert_eq!(system.tangent(&State::at_rest(8, 1)).unwrap().1.negative_pivots(), 20);
+        let mut system = Springs::new(&mesh, -1.0).with_follower(&mesh).system(&mesh);
+        let (_, tangent) = system.tangent(&State::at_rest(8, 0)).unwrap();
+        assert_eq!((tangent.is_unsymmetric(), tangent.negative_pivots()), (true, 0));
+    }
+
+    #[test]
+    fn a_singular_tangent_is_an_error_and_the_next_one_is_not() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, 0.0).system(&mesh);
+        let error = system.tangent(&State::at_rest(8, 0)).err().unwrap();
+        assert!(matches!(error, AssembleError::Factor(FactorError::Pivot { .. })), "{error}");
+    }
+
+    /// The unsymmetric part is felt: K δu = −r with it, and not without it.
+    #[test]
+    fn the_unsymmetric_part_is_solved_with() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, 4.0).with_follower(&mesh).system(&mesh);
+        let (assembled, tangent) = system.tangent(&State::at_rest(8, 0).moved_to(2.0.into())).unwrap();
+        let correction = system.solve(&tangent, &assembled, None).unwrap();
+        let product = tangent.product(correction.displacement.as_flattened()).unwrap();
+        let mut differs: f64 = 0.0;
+        for dof in 3..24 {
+            let residual = assembled.residual.as_flattened()[dof];
+            assert!((product[dof] + residual).abs() < 1e-9, "{dof}: {} {residual}", product[dof]);
+            differs = differs.max((4.0 * correction.displacement.as_flattened()[dof] + residual).abs());
+        }
+        assert!(differs > 1e-2, "the check would be empty: {differs}");
+    }
+
+    #[test]
+    fn a_constraint_is_met_by_its_multiplier() {
+        let mesh = cube();
+        let mut system = Springs::new(&mesh, 4.0).constrained().system(&mesh);
+        let state = State::at_rest(8, 1).moved_to(1.4.into());
+        let (assembled, tangent) = system.tangent(&state).unwrap();
+        let correction = system.solve(&tangent, &assembled, None).unwrap();
+        let sum: f64 = correction.displacement.iter().map(|u| u[0]).sum();
+        assert!((sum - 1.4).abs() < 1e-13, "{sum}");
+        // Seven free nodes, 0.2 mm each, 0.8 N each.
+        assert!((correction.bordered[0] + 0.8).abs() < 1e-13, "{:?}", correction.bordered);
     }
 }

@@ -18,7 +18,7 @@ const FILE: &str = "checkpoint.bin";
 /// What the output folder held when the checkpoint was written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recorded {
-    /// Pressures landed on.
+    /// Pressures reached on.
     pub steps: Vec<StepSummary>,
     /// Length of `history.jsonl`.
     pub history_bytes: u64,

@@ -145,6 +145,7 @@ pub use pneuflex_deck as deck;
 pub use pneuflex_mesh as mesh;
 pub use pneuflex_model as model;
 pub use pneuflex_newton as newton;
+pub use pneuflex_plot as plot;
 pub use pneuflex_post as post;
 pub use pneuflex_report as report;
 pub use pneuflex_rod as rod;

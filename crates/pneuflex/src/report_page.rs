@@ -100,7 +100,7 @@ fn read_summary(folder: &Path) -> Result<Summary, InputError> {
         );
     }
     let summary: Summary = serde_json::from_str(&read(&path)?).map_err(|e| damaged(&path, e))?;
-    match summary.steps.iter().find(|step| step.converged && step.landed.is_none()) {
+    match summary.steps.iter().find(|step| step.converged && step.reached.is_none()) {
         Some(step) => {
             let clock = if step.time.is_some() { Clock::Steps } else { Clock::Pressure };
             Err(damaged(&path, format!("results are missing at {}", clock.words(LoadParameter(step.when())))))
@@ -109,7 +109,7 @@ fn read_summary(folder: &Path) -> Result<Summary, InputError> {
     }
 }
 
-/// The fields at every landed pressure or time; `None` if none were asked for.
+/// The fields at every reached pressure or time; `None` if none were asked for.
 fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<Option<Vec<State>>, InputError> {
     if !analysis.fields {
         return Ok(None);
@@ -128,8 +128,8 @@ fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<
         let walls = has_walls.then(|| read_grid(&path("contact"))).transpose()?;
         State::from_grids(problem, &body, walls.as_ref()).map_err(|e| damaged(&body_path, e))
     };
-    let landed = summary.landed().enumerate();
-    landed.map(|(i, (time, _))| state(i + 1, time)).collect::<Result<_, _>>().map(Some)
+    let reached = summary.reached().enumerate();
+    reached.map(|(i, (time, _))| state(i + 1, time)).collect::<Result<_, _>>().map(Some)
 }
 
 fn read_grid(path: &Path) -> Result<Grid, InputError> {

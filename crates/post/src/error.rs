@@ -29,16 +29,13 @@ pub enum PostError {
         /// det F.
         jacobian: f64,
     },
-    /// A picture that cannot be drawn.
-    #[error("cannot draw {what}")]
-    NotDrawable {
-        /// What, and why not.
-        what: String,
-    },
 }
 
 /// Checks that `values` has `expected` entries, all finite.
-pub(crate) fn check(what: &str, values: &[f64], expected: usize) -> Result<(), PostError> {
+///
+/// # Errors
+/// [`PostError::WrongLength`] or [`PostError::NotFinite`], about `what`.
+pub fn check(what: &str, values: &[f64], expected: usize) -> Result<(), PostError> {
     if values.len() != expected {
         return Err(PostError::WrongLength { what: what.into(), expected, found: values.len() });
     }

@@ -9,27 +9,24 @@
 //! * [`contact`]: what the contact's own points carry.
 //! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
 //! * [`fields`], [`vtu`]: VTK XML files.
-//! * [`summary`]: all of it for one landed pressure, as `summary.json` has it.
-//! * [`picture`], [`chart`]: pictures of deformed bodies and line charts, as [`drawing`]s in SVG and PNG.
+//! * [`summary`]: all of it for one reached pressure, as `summary.json` has it.
+//! * [`surface`], [`search`]: faces, and the closest point on a deformed surface, as the measures use them.
 //!
-//! Units: mm, N, MPa, mJ; displacements and reactions are lists with three entries per node. Faces are quadrilaterals.
+//! Units: mm, N, MPa, mJ; displacements and reactions have one entry per node.
 
-pub mod chart;
 pub mod contact;
 pub mod convergence;
-pub mod drawing;
 mod error;
 pub mod fields;
 pub mod measures;
 pub mod penetration;
-pub mod picture;
-mod search;
+pub mod search;
 pub mod stress;
 pub mod summary;
-mod surface;
+pub mod surface;
 #[cfg(test)]
 mod testing;
-mod vector;
+pub mod vector;
 pub mod vtu;
 
-pub use error::PostError;
+pub use error::{PostError, check};

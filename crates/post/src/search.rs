@@ -9,7 +9,7 @@ use crate::surface::{Bounds, Patch, Projection, edge_distances};
 use crate::vector::Vec3;
 
 /// A deformed surface that can be asked for its closest point.
-pub(crate) struct Surface {
+pub struct Surface {
     patches: Vec<Patch>,
     /// For every patch whether the surface ends at its in the order of [`edges`].
     open_edges: Vec<[bool; 4]>,
@@ -29,7 +29,7 @@ struct Branch {
 
 /// The closest point of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Closest {
+pub struct Closest {
     /// Index of the face in the list the surface was made of.
     pub facet: usize,
     /// Signed distance, mm: negative behind the surface, on the side its normals point away from.

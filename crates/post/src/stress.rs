@@ -14,7 +14,7 @@
 //!
 //! With another volumetric energy than κ/2 (J − 1)², p = M⁻¹ ∫ U′(J̄) ψ dV at J̄ = 1 + Σ ψᵢ (M⁻¹θ)ᵢ, with the energy
 //! ∫ U(J̄) dV. On `tet10` a part κ_f of κ ([`pneuflex_model::formulation::MixedFormulation::fluctuation_modulus`]) acts on J itself: the pressure is
-//! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3; design §3.1.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
+//! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3.6, §10.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
 //! the solver too.
 
 use pneuflex_assembly::ReferenceElement;
@@ -233,7 +233,7 @@ impl StressField {
 
     /// The integration point with the largest von Mises stress; `None` for a body without elements.
     ///
-    /// The largest value has no limit under refinement at the actuator's re-entrant edges (design §3.5): read it
+    /// The largest value has no limit under refinement at the actuator's re-entrant edges (theory §3.8): read it
     /// together with [`StressField::von_mises_quantile`] and the position.
     pub fn largest_von_mises(&self) -> Option<&StressPoint> {
         self.points.iter().max_by(|a, b| a.von_mises.total_cmp(&b.von_mises))

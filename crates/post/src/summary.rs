@@ -1,4 +1,4 @@
-//! What `summary.json` says about one landed pressure.
+//! What `summary.json` says about one reached pressure.
 
 use std::collections::BTreeMap;
 
@@ -20,9 +20,9 @@ pub struct State<'a> {
     pub displacement: &'a [[f64; 3]],
     /// Support reactions, N, one entry per node.
     pub reaction: &'a [[f64; 3]],
-    /// Newton iterations spent since the previous landing.
+    /// Newton iterations spent since the previous one.
     pub iterations: usize,
-    /// Load steps accepted since the previous landing.
+    /// Load steps accepted since the previous one.
     pub load_steps: usize,
     /// Multipliers of the contact's points, MPa; none for a plain penalty.
     pub contact_multipliers: &'a [f64],
@@ -30,7 +30,7 @@ pub struct State<'a> {
     pub contact_failure: Option<&'a str>,
 }
 
-/// One landed pressure. The names of the fields are the keys of `summary.json`, a contract.
+/// One reached pressure. The names of the fields are the keys of `summary.json`, a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepSummary {
     /// Time, for models with a schedule; left out for actuators.
@@ -89,7 +89,7 @@ impl StepSummary {
     }
 }
 
-/// A cavity at one landed time.
+/// A cavity at one reached time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CavitySummary {
     /// Pressure above the atmosphere's, kPa.
@@ -99,7 +99,7 @@ pub struct CavitySummary {
     pub volume_mm3: Option<f64>,
 }
 
-/// What the modelled body does to an obstacle at one landed pressure; the other half of a half model does the same, mirrored.
+/// What the modelled body does to an obstacle at one reached pressure; the other half of a half model does the same, mirrored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleSummary {
     /// Force on the obstacle, N.
@@ -129,7 +129,7 @@ impl From<&contact::ObstacleForce> for ObstacleSummary {
     }
 }
 
-/// Contact at one landed pressure.
+/// Contact at one reached pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
     /// Contact points that carry traction.

@@ -6,14 +6,14 @@ use crate::vector::{Vec3, cross, dot, norm, sub};
 
 /// A face in its deformed (or reference) position.
 #[derive(Clone, Debug)]
-pub(crate) struct Patch {
+pub struct Patch {
     kind: FaceKind,
     nodes: [Vec3; 9],
 }
 
 /// A point of a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SurfacePoint {
+pub struct SurfacePoint {
     /// Position, mm.
     pub position: Vec3,
     /// r_ξ × r_η, not normalised: its length is the area element.
@@ -22,7 +22,7 @@ pub(crate) struct SurfacePoint {
 
 /// The closest point of a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Projection {
+pub struct Projection {
     /// Reference coordinates on the face.
     pub xi: [f64; 2],
     /// Distance from the point that was projected, mm.
@@ -213,7 +213,7 @@ impl Hessian {
 
 /// Centre of cell (i, j) of a reference face divided into n × n equal cells. The cells of a triangle are cut by lines
 /// parallel to its sides: those with i + j < n stand upright, the others fill the places between, on their heads.
-pub(crate) fn cell_centre(kind: FaceKind, n: usize, [i, j]: [usize; 2]) -> [f64; 2] {
+pub fn cell_centre(kind: FaceKind, n: usize, [i, j]: [usize; 2]) -> [f64; 2] {
     match kind.outline {
         Outline::Triangle if i + j < n => [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n as f64),
         Outline::Triangle => [n - 1 - i, n - 1 - j].map(|k| (k as f64 + 2.0 / 3.0) / n as f64),
@@ -223,7 +223,7 @@ pub(crate) fn cell_centre(kind: FaceKind, n: usize, [i, j]: [usize; 2]) -> [f64;
 
 /// Distance of a reference point from the edges, in their order and in reference coordinates; the fourth of a triangle is
 /// infinitely far.
-pub(crate) fn edge_distances(kind: FaceKind, [xi, eta]: [f64; 2]) -> [f64; 4] {
+pub fn edge_distances(kind: FaceKind, [xi, eta]: [f64; 2]) -> [f64; 4] {
     match kind.outline {
         Outline::Triangle => [eta, 1.0 - xi - eta, xi, f64::INFINITY],
         Outline::Square => [1.0 + eta, 1.0 - xi, 1.0 - eta, 1.0 + xi],
@@ -232,8 +232,10 @@ pub(crate) fn edge_distances(kind: FaceKind, [xi, eta]: [f64; 2]) -> [f64; 4] {
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
+pub struct Bounds {
+    /// Least coordinates, mm.
     pub low: Vec3,
+    /// Greatest coordinates, mm.
     pub high: Vec3,
 }
 

@@ -32,7 +32,7 @@ pub enum ReportError {
     #[error("{0} holds a number that is not finite")]
     NotFinite(String),
     /// The summary and the fields do not belong together.
-    #[error("summary.json has {steps} landed steps, but there are fields of {states}")]
+    #[error("summary.json has {steps} reached steps, but there are fields of {states}")]
     OtherSteps {
         /// Steps of the summary.
         steps: usize,

@@ -42,7 +42,7 @@ pub use report::Report;
 /// # Errors
 /// Fields that do not fit the mesh or the summary, or numbers that are not finite.
 pub fn render(report: &Report<'_>) -> Result<String, ReportError> {
-    let steps = report.summary.landed().count();
+    let steps = report.summary.reached().count();
     if let Some(states) = report.states.filter(|states| states.len() != steps) {
         return Err(ReportError::OtherSteps { steps, states: states.len() });
     }

@@ -145,7 +145,7 @@ impl Passed {
 /// The corners of an obstacle's path up to the last computed time.
 fn path(report: &Report<'_>, obstacle: &Obstacle) -> Vec<[f64; 4]> {
     let Some(motion) = &obstacle.motion else { return Vec::new() };
-    let end = report.summary.landed().last().map_or(0.0, |(time, _)| time);
+    let end = report.summary.reached().last().map_or(0.0, |(time, _)| time);
     let corners = motion.curve.corners().map(|LoadParameter(at)| at).filter(|at| (0.0..end).contains(at) && *at > 0.0);
     let times = std::iter::once(0.0).chain(corners).chain((end > 0.0).then_some(end));
     let corner = |time: f64| {

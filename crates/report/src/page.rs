@@ -58,7 +58,7 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
 
 fn masthead(report: &Report<'_>, title: &str) -> Markup {
     let summary = report.summary;
-    let reached = summary.landed().last().map(|(time, _)| format!(" · computed to {}", report.words(time)));
+    let reached = summary.reached().last().map(|(time, _)| format!(" · computed to {}", report.words(time)));
     html! {
         header .masthead {
             div .titles {

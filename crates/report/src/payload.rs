@@ -104,7 +104,7 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
     let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);
-    let p99 = report.summary.landed().map(|(_, landed)| landed.von_mises_p99_mpa);
+    let p99 = report.summary.reached().map(|(_, reached)| reached.von_mises_p99_mpa);
     Ok(BodyData {
         mirrored: report.mirrored,
         origin,

@@ -22,7 +22,7 @@ pub struct Report<'a> {
     pub problem: &'a Problem,
     /// What the run says of itself.
     pub summary: &'a Summary,
-    /// The fields at every landed step, in the order of the summary's; `None` if the run wrote none.
+    /// The fields at every reached step, in the order of the summary's; `None` if the run wrote none.
     pub states: Option<&'a [State]>,
 }
 

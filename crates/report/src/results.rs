@@ -7,7 +7,7 @@ use crate::numbers::{fixed, number};
 use crate::obstacles::is_symmetric;
 use crate::report::Report;
 use crate::series::{force_on_obstacle, halves_at, whole_force};
-use crate::summary::Landed;
+use crate::summary::Reached;
 
 /// Digits that count in the largest number of a column, at the least.
 const DIGITS: i32 = 3;
@@ -15,7 +15,7 @@ const DIGITS: i32 = 3;
 /// Numbers that need more decimals are zero but for rounding.
 const MOST_DECIMALS: i32 = 9;
 
-/// A column: its heading, and a text for every landed step.
+/// A column: its heading, and a text for every reached step.
 struct Column {
     heading: String,
     unit: &'static str,
@@ -45,9 +45,9 @@ impl Column {
 /// Results at every requested pressure or time.
 pub fn results(report: &Report<'_>) -> Markup {
     let columns = columns(report);
-    let mut landed = 0..;
+    let mut reached = 0..;
     let rows: Vec<_> =
-        report.summary.steps.iter().map(|step| (step, step.landed.as_ref().and_then(|_| landed.next()))).collect();
+        report.summary.steps.iter().map(|step| (step, step.reached.as_ref().and_then(|_| reached.next()))).collect();
     html! {
         section .sheet {
             h2 { "Results at the computed " (report.parameter()) "s" }
@@ -93,35 +93,35 @@ pub fn results(report: &Report<'_>) -> Markup {
 fn columns(report: &Report<'_>) -> Vec<Column> {
     let (summary, halves) = (report.summary, report.halves());
     let is_model = report.problem.clock == Clock::Steps;
-    let landed = || summary.landed().map(|(_, landed)| landed);
-    let one = |heading: &str, unit, decimals, of: &dyn Fn(&Landed) -> Option<f64>| {
-        Column::new(heading, unit, decimals, landed().map(|step| of(step).map(|x| [x])))
+    let reached = || summary.reached().map(|(_, reached)| reached);
+    let one = |heading: &str, unit, decimals, of: &dyn Fn(&Reached) -> Option<f64>| {
+        Column::new(heading, unit, decimals, reached().map(|step| of(step).map(|x| [x])))
     };
     let mut columns = Vec::new();
-    if !is_model || landed().any(|step| step.end_face_angle_deg.is_some()) {
+    if !is_model || reached().any(|step| step.end_face_angle_deg.is_some()) {
         columns.push(one("bending angle", "°", 2, &|step| step.end_face_angle_deg));
     }
-    for name in names(landed().map(|step| step.cavities.keys())) {
-        let cavity = |step: &Landed| step.cavities.get(name).copied();
+    for name in names(reached().map(|step| step.cavities.keys())) {
+        let cavity = |step: &Reached| step.cavities.get(name).copied();
         columns.push(one(&format!("{name}: pressure"), "kPa", 2, &|step| cavity(step)?.pressure_kpa));
-        if landed().any(|step| cavity(step).is_some_and(|cavity| cavity.volume_mm3.is_some())) {
-            let volume = |step: &Landed| Some(halves * cavity(step)?.volume_mm3?);
+        if reached().any(|step| cavity(step).is_some_and(|cavity| cavity.volume_mm3.is_some())) {
+            let volume = |step: &Reached| Some(halves * cavity(step)?.volume_mm3?);
             columns.push(one(&format!("{name}: volume"), "mm³", 1, &volume));
         }
     }
     for name in summary.probes.keys() {
-        let of = landed().map(|step| step.probes.get(name).copied());
+        let of = reached().map(|step| step.probes.get(name).copied());
         columns.push(Column::new(&format!("{name}: displacement x, y, z"), "mm", 3, of));
     }
-    for name in names(landed().map(|step| step.reactions.keys().filter(|name| report.holds_whole(name)))) {
-        let of = landed().map(|step| step.reactions.get(name).map(|force| whole_force(report, *force)));
+    for name in names(reached().map(|step| step.reactions.keys().filter(|name| report.holds_whole(name)))) {
+        let of = reached().map(|step| step.reactions.get(name).map(|force| whole_force(report, *force)));
         columns.push(Column::new(&format!("{name}: reaction x, y, z"), "N", 3, of));
     }
-    for name in names(landed().map(|step| step.obstacles.keys())) {
+    for name in names(reached().map(|step| step.obstacles.keys())) {
         let of =
-            landed().map(|step| step.obstacles.get(name)?.force_n.map(|force| force_on_obstacle(report, name, force)));
+            reached().map(|step| step.obstacles.get(name)?.force_n.map(|force| force_on_obstacle(report, name, force)));
         columns.push(Column::new(&format!("{name}: force on it x, y, z"), "N", 3, of));
-        let area = |step: &Landed| Some(halves_at(report, name) * step.obstacles.get(name)?.area_mm2?);
+        let area = |step: &Reached| Some(halves_at(report, name) * step.obstacles.get(name)?.area_mm2?);
         columns.push(one(&format!("{name}: contact area"), "mm²", 1, &area));
     }
     columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
@@ -129,7 +129,7 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
     if report.has_walls() {
         columns.push(one("contact area", "mm²", 1, &|step| Some(halves * step.contact.area_mm2)));
         let gaps = if is_model { "pairs in contact" } else { "gaps in contact" };
-        let cells = landed().map(|step| step.contact.gaps_in_contact.to_string()).collect();
+        let cells = reached().map(|step| step.contact.gaps_in_contact.to_string()).collect();
         columns.push(Column { heading: gaps.into(), unit: "–", cells });
         columns.push(one("penetration", "mm", 4, &|step| Some(step.contact.max_penetration_mm)));
     }

@@ -10,7 +10,7 @@ use crate::error::ReportError;
 use crate::obstacles::is_symmetric;
 use crate::report::Report;
 use crate::state::State;
-use crate::summary::{Landed, Obstacle};
+use crate::summary::{Obstacle, Reached};
 
 /// Curves in one plot at the most.
 const CURVES: usize = 4;
@@ -24,10 +24,10 @@ const ROUNDING: f64 = 1e-9;
 /// mm³ from which volumes are in cm³.
 const LARGE: f64 = 1000.0;
 
-/// Numbers at rest and at every landed step, for the whole body even if a half of it was modelled.
+/// Numbers at rest and at every reached step, for the whole body even if a half of it was modelled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
-    /// The parameter of the load path, kPa for actuators: 0, then that of the landed steps.
+    /// The parameter of the load path, kPa for actuators: 0, then that of the reached steps.
     pub times: Vec<f64>,
     /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,12 +74,12 @@ pub struct Curve {
     pub values: Vec<f64>,
 }
 
-/// The body at rest, followed by every landed step.
+/// The body at rest, followed by every reached step.
 ///
 /// # Errors
 /// A volume at rest that cannot be found, steps that are out of order, or a number that is not finite.
 pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
-    let times: Vec<f64> = std::iter::once(0.0).chain(report.summary.landed().map(|(time, _)| time)).collect();
+    let times: Vec<f64> = std::iter::once(0.0).chain(report.summary.reached().map(|(time, _)| time)).collect();
     let not_finite = || Err(ReportError::NotFinite("summary.json".into()));
     if !times.iter().all(|time| time.is_finite()) {
         return not_finite();
@@ -127,7 +127,7 @@ impl Collect<'_> {
         let halves = self.report.halves();
         let mut key_numbers = Vec::new();
         let mut plots = Vec::new();
-        if let Some(angle) = self.column(|landed| landed.end_face_angle_deg) {
+        if let Some(angle) = self.column(|reached| reached.end_face_angle_deg) {
             key_numbers.push(single("bent", "°", angle.clone()));
             plots.push(single("Bending angle", "°", angle));
         }
@@ -144,7 +144,7 @@ impl Collect<'_> {
             plots.extend(self.cavity_plots(cavities)?);
             plots.extend(grouped("Displacement", "mm", displacements));
             let force = |force: &[f64; 3]| Some(length(whole_force(self.report, *force)));
-            let mut reactions = self.named(|landed| &landed.reactions, force);
+            let mut reactions = self.named(|reached| &reached.reactions, force);
             reactions.sort_by(|a, b| largest(&b.values).total_cmp(&largest(&a.values)));
             let least = ROUNDING * reactions.first().map_or(0.0, |curve| largest(&curve.values));
             reactions.retain(|curve| self.report.holds_whole(&curve.name) && largest(&curve.values) > least);
@@ -152,7 +152,8 @@ impl Collect<'_> {
             plots.extend(grouped("Reaction", "N", reactions));
         } else {
             let at_rest = measures::cavity_volume(self.report.problem, &self.rest)?;
-            let volumes = self.column_from(Some(at_rest), |landed| Some(landed.cavity_volume_mm3)).unwrap_or_default();
+            let volumes =
+                self.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
             let volumes = volumes.into_iter().map(|mm3| halves * mm3 / LARGE).collect();
             plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
         }
@@ -161,35 +162,35 @@ impl Collect<'_> {
         };
         plots.extend(grouped("Force on obstacles", "N", self.of_obstacles(force)));
         plots.extend(self.contact_areas());
-        let stress = self.column(|landed| Some(landed.von_mises_p99_mpa)).unwrap_or_default();
+        let stress = self.column(|reached| Some(reached.von_mises_p99_mpa)).unwrap_or_default();
         plots.push(single("von Mises stress, 99 %", "MPa", stress));
         Ok((key_numbers, plots))
     }
 
-    /// Zero at rest and a value at every landed step, if all of them are there.
-    fn column(&self, of: impl Fn(&Landed) -> Option<f64>) -> Option<Vec<f64>> {
+    /// Zero at rest and a value at every reached step, if all of them are there.
+    fn column(&self, of: impl Fn(&Reached) -> Option<f64>) -> Option<Vec<f64>> {
         self.column_from(Some(0.0), of)
     }
 
-    fn column_from(&self, rest: Option<f64>, of: impl Fn(&Landed) -> Option<f64>) -> Option<Vec<f64>> {
-        std::iter::once(rest).chain(self.report.summary.landed().map(|(_, landed)| of(landed))).collect()
+    fn column_from(&self, rest: Option<f64>, of: impl Fn(&Reached) -> Option<f64>) -> Option<Vec<f64>> {
+        std::iter::once(rest).chain(self.report.summary.reached().map(|(_, reached)| of(reached))).collect()
     }
 
-    /// A curve for everything that has a name and a value at every landed step.
-    fn named<T>(&self, of: impl Fn(&Landed) -> &BTreeMap<String, T>, value: impl Fn(&T) -> Option<f64>) -> Vec<Curve> {
-        let Some((_, first)) = self.report.summary.landed().next() else { return Vec::new() };
+    /// A curve for everything that has a name and a value at every reached step.
+    fn named<T>(&self, of: impl Fn(&Reached) -> &BTreeMap<String, T>, value: impl Fn(&T) -> Option<f64>) -> Vec<Curve> {
+        let Some((_, first)) = self.report.summary.reached().next() else { return Vec::new() };
         let curve = |name: &String| {
-            let values = self.column(|landed| of(landed).get(name).and_then(&value))?;
+            let values = self.column(|reached| of(reached).get(name).and_then(&value))?;
             Some(Curve { name: name.clone(), values })
         };
         of(first).keys().filter_map(curve).collect()
     }
 
-    /// A curve for every obstacle that has a value at every landed step.
+    /// A curve for every obstacle that has a value at every reached step.
     fn of_obstacles(&self, value: impl Fn(&str, &Obstacle) -> Option<f64>) -> Vec<Curve> {
-        let Some((_, first)) = self.report.summary.landed().next() else { return Vec::new() };
+        let Some((_, first)) = self.report.summary.reached().next() else { return Vec::new() };
         let curve = |name: &String| {
-            let values = self.column(|landed| value(name, landed.obstacles.get(name)?))?;
+            let values = self.column(|reached| value(name, reached.obstacles.get(name)?))?;
             Some(Curve { name: name.clone(), values })
         };
         first.obstacles.keys().filter_map(curve).collect()
@@ -198,7 +199,7 @@ impl Collect<'_> {
     /// Contact between walls, and on every obstacle.
     fn contact_areas(&self) -> Vec<Plot> {
         let mut curves = self.of_obstacles(|name, obstacle| Some(halves_at(self.report, name) * obstacle.area_mm2?));
-        if let Some(values) = self.column(|landed| Some(self.report.halves() * landed.contact.area_mm2))
+        if let Some(values) = self.column(|reached| Some(self.report.halves() * reached.contact.area_mm2))
             && self.report.has_walls()
         {
             let name = if curves.is_empty() { String::new() } else { "between walls".into() };
@@ -208,7 +209,7 @@ impl Collect<'_> {
     }
 
     fn cavity_pressures(&self) -> Vec<Curve> {
-        self.named(|landed| &landed.cavities, |cavity| cavity.pressure_kpa)
+        self.named(|reached| &reached.cavities, |cavity| cavity.pressure_kpa)
     }
 
     /// Pressure and volume of every cavity against time, or against each other where the volume is given.
@@ -216,7 +217,7 @@ impl Collect<'_> {
         let mut volumes = Vec::new();
         for cavity in &self.report.problem.cavities {
             let at_rest = measures::volume(self.report.problem, cavity, &self.rest)?;
-            let of = |landed: &Landed| landed.cavities.get(&cavity.name)?.volume_mm3;
+            let of = |reached: &Reached| reached.cavities.get(&cavity.name)?.volume_mm3;
             if let Some(values) = self.column_from(at_rest, of) {
                 let values = values.into_iter().map(|mm3| self.report.halves() * mm3).collect();
                 volumes.push(Curve { name: cavity.name.clone(), values });
@@ -256,13 +257,13 @@ impl Collect<'_> {
             let values = std::iter::once(0.0).chain(states.iter().map(of)).collect();
             curves.push(Curve { name: LARGEST.into(), values });
         }
-        curves.extend(self.named(|landed| &landed.probes, |u| Some(length(*u))));
+        curves.extend(self.named(|reached| &reached.probes, |u| Some(length(*u))));
         curves
     }
 
     fn centrelines(&self) -> Result<Option<Vec<Vec<[f64; 2]>>>, ReportError> {
         let mut lines = vec![measures::centreline(self.report.problem, &self.rest)?];
-        lines.extend(self.report.summary.landed().map(|(_, landed)| landed.centreline.clone()));
+        lines.extend(self.report.summary.reached().map(|(_, reached)| reached.centreline.clone()));
         let count = lines[0].len();
         Ok((count > 1 && lines.iter().all(|line| line.len() == count)).then_some(lines))
     }

@@ -74,12 +74,12 @@ pub struct Step {
     pub iterations: usize,
     /// What was found, if it was reached.
     #[serde(flatten)]
-    pub landed: Option<Landed>,
+    pub reached: Option<Reached>,
 }
 
-/// What was found at a landed step.
+/// What was found at a reached step.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Landed {
+pub struct Reached {
     /// Displacement of every probe, mm.
     #[serde(default)]
     pub probes: BTreeMap<String, [f64; 3]>,
@@ -111,7 +111,7 @@ pub struct Landed {
     pub warning: Option<String>,
 }
 
-/// A cavity at a landed step.
+/// A cavity at a reached step.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Cavity {
     /// Pressure above the atmosphere's, kPa.
@@ -122,7 +122,7 @@ pub struct Cavity {
     pub volume_mm3: Option<f64>,
 }
 
-/// An obstacle at a landed step.
+/// An obstacle at a reached step.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Obstacle {
     /// Force on it, N.
@@ -133,7 +133,7 @@ pub struct Obstacle {
     pub area_mm2: Option<f64>,
 }
 
-/// Contact at a landed step.
+/// Contact at a reached step.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Contact {
     /// Reference area in contact, mm².
@@ -202,17 +202,17 @@ impl Summary {
     }
 
     /// The pressures (kPa) or times that were reached, with what was found there.
-    pub fn landed(&self) -> impl Iterator<Item = (f64, &Landed)> {
-        self.steps.iter().filter_map(|step| Some((step.when(), step.landed.as_ref()?)))
+    pub fn reached(&self) -> impl Iterator<Item = (f64, &Reached)> {
+        self.steps.iter().filter_map(|step| Some((step.when(), step.reached.as_ref()?)))
     }
 
     /// The warnings; those that older versions attached to steps if there is no list of them.
     pub fn all_warnings(&self) -> Vec<Warning> {
-        let of_step = |(pressure, landed): (f64, &Landed)| {
-            let message = landed.warning.clone()?;
+        let of_step = |(pressure, reached): (f64, &Reached)| {
+            let message = reached.warning.clone()?;
             Some(Warning { pressure_kpa: Some(pressure), time: None, message, advice: String::new() })
         };
-        self.warnings.clone().unwrap_or_else(|| self.landed().filter_map(of_step).collect())
+        self.warnings.clone().unwrap_or_else(|| self.reached().filter_map(of_step).collect())
     }
 }
 
@@ -227,7 +227,7 @@ mod tests {
         let missed = serde_json::json!({"pressure_kpa": 9.0, "converged": false, "iterations": 4});
         value["steps"].as_array_mut().unwrap().push(missed);
         let summary: Summary = serde_json::from_value(value).unwrap();
-        assert_eq!((summary.steps.len(), summary.landed().count()), (2, 1));
+        assert_eq!((summary.steps.len(), summary.reached().count()), (2, 1));
         assert_eq!(summary.steps[1].iterations, 4);
     }
 

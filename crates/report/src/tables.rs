@@ -9,7 +9,7 @@ use crate::summary::{Summary, Warning};
 /// Why the run ended early, and what to be careful about; nothing if there is nothing to say.
 pub fn notices(report: &Report<'_>) -> Markup {
     let summary = report.summary;
-    let reached = summary.landed().last().map(|(time, _)| report.words(time));
+    let reached = summary.reached().last().map(|(time, _)| report.words(time));
     let warnings = summary.all_warnings();
     html! {
         @if !summary.is_converged() {

@@ -53,15 +53,15 @@ pub fn impose(
 /// # Errors
 /// What kept the solver from converging.
 pub fn inflate(problem: &Problem, kpa: f64) -> Result<ConvergedState, String> {
-    let mut landed = Vec::new();
+    let mut reached = Vec::new();
     let mut observer = |event: Event<'_>| {
         if let Event::Converged(state) = event {
-            landed.push(state.clone());
+            reached.push(state.clone());
         }
     };
     let pressures: Vec<f64> = (1..=10).map(|i| 0.1 * f64::from(i) * kpa).collect();
     follow_path(problem, &pressures, &Solver::default(), &mut observer).map_err(|e| e.0.to_string())?;
-    last(landed)
+    last(reached)
 }
 
 /// The last of some states.

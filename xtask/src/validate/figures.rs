@@ -1,8 +1,8 @@
 //! The figures: which of the paper's they stand for, and their drawings.
 
-use pneuflex::post::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
-use pneuflex::post::drawing::{Colour, Drawing};
-use pneuflex::post::picture::{self, Panel, View};
+use pneuflex::plot::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
+use pneuflex::plot::drawing::{Colour, Drawing};
+use pneuflex::plot::picture::{self, Panel, View};
 use pneuflex::post::stress;
 
 use super::Outcome;

@@ -239,7 +239,7 @@ fn statement(page: &mut String, s: &Statement) {
 fn table_of_runs(page: &mut String, solutions: &Solutions) {
     page.push_str(
         "<h2 id=\"runs\" class=\"page\">Runs</h2>\n<div class=\"wide\"><table>\n<tr><th>run</th><th class=\"number\">elements\
-         </th><th class=\"number\">unknowns</th><th class=\"number\">landed pressures</th><th class=\"number\">tangents</th>\
+         </th><th class=\"number\">unknowns</th><th class=\"number\">pressures reached</th><th class=\"number\">tangents</th>\
          <th class=\"number\">angle at the end (°)</th></tr>\n",
     );
     for s in &solutions.0 {

@@ -109,7 +109,7 @@ pub struct Run {
     pub mesh: Mesh,
     /// The contact variant.
     pub method: Method,
-    /// Pressures landed on, kPa.
+    /// Pressures reached on, kPa.
     pub pressures: Vec<f64>,
     /// Whether fields are written.
     pub has_fields: bool,

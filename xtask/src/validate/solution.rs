@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::plan::{Method, Run};
 use super::{Failure, Outcome};
 
-/// One landed pressure in `summary.json`; keys not needed here are passed over.
+/// One reached pressure in `summary.json`; keys not needed here are passed over.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Step {
     /// Air pressure, kPa.
@@ -32,7 +32,7 @@ pub struct Step {
     pub strain_energy_mj: f64,
 }
 
-/// Contact at one landed pressure.
+/// Contact at one reached pressure.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Contact {
     /// Contact points that carry traction.
@@ -72,7 +72,7 @@ pub struct Solution {
     pub problem: Problem,
     /// Version of the program that solved it.
     pub version: String,
-    /// Landed pressures.
+    /// Reached pressures.
     pub steps: Vec<Step>,
     /// Tangents factorised.
     pub tangents: usize,
@@ -109,10 +109,10 @@ impl Solution {
     /// The step at a pressure.
     ///
     /// # Errors
-    /// A pressure that was not landed on.
+    /// A pressure that was not reached on.
     pub fn step(&self, pressure_kpa: f64) -> Outcome<&Step> {
         let found = self.steps.iter().find(|s| s.pressure_kpa == pressure_kpa);
-        found.ok_or_else(|| Failure::at(&self.folder, format!("nothing was landed on at {pressure_kpa} kPa")))
+        found.ok_or_else(|| Failure::at(&self.folder, format!("nothing was reached at {pressure_kpa} kPa")))
     }
 
     /// Displacements at a pressure, mm, one entry per node, from the field file.

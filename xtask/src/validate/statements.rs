@@ -275,7 +275,7 @@ pub fn energy(extent: Extent, solutions: &Solutions) -> Outcome<Statement> {
         "energy-balance",
         "The work of the air pressure equals the strain energy and the penalty energy of the contact.",
         "The model's elastic forces derive from the strain energy; the penalty's energy is ½ k ∫ ⟨−d⟩² dA.",
-        "∫ p dV along the path by the trapezoidal rule, from the first landed pressure to 50 kPa, against the change of \
+        "∫ p dV along the path by the trapezoidal rule, from the first pressure reached to 50 kPa, against the change of \
          both energies: ≤ 0.5 %.",
     );
     for body in [Body::TwoChambers, Body::Actuator] {
@@ -314,7 +314,7 @@ pub fn reactions(solutions: &Solutions) -> Outcome<Statement> {
         "reactions",
         "A closed cavity has no resultant: the clamp's reaction along x and z vanishes, with and without contact.",
         "Static equilibrium; the contact traction acts on both surfaces.",
-        "|sum of the clamp's reactions| along x and z ≤ 1e-6 N at every landed pressure of every run.",
+        "|sum of the clamp's reactions| along x and z ≤ 1e-6 N at every pressure reached in every run.",
     );
     for solution in &solutions.0 {
         let largest =

@@ -3,9 +3,9 @@
 use pneuflex::calibration::curve::Point;
 use pneuflex::calibration::fit::LawFit;
 use pneuflex::calibration::law::{Law, Mode};
-use pneuflex::post::PostError;
-use pneuflex::post::chart::{Chart, PALETTE, Series, Style};
-use pneuflex::post::drawing::{Colour, Drawing};
+use pneuflex::plot::PlotError;
+use pneuflex::plot::chart::{Chart, PALETTE, Series, Style};
+use pneuflex::plot::drawing::{Colour, Drawing};
 
 use super::Prepared;
 
@@ -18,7 +18,7 @@ const SAMPLES: usize = 160;
 const UNUSED: Colour = Colour([190, 190, 190]);
 
 /// Draws a chart for every test, under each other; those without points show what the laws predict.
-pub fn draw(tests: &[Prepared], fits: &[LawFit], largest_i1_minus_3: f64) -> Result<Drawing, PostError> {
+pub fn draw(tests: &[Prepared], fits: &[LawFit], largest_i1_minus_3: f64) -> Result<Drawing, PlotError> {
     let mut charts = Vec::new();
     for mode in Mode::ALL {
         charts.push(chart(tests, fits, mode, largest_i1_minus_3)?.draw()?);
@@ -35,7 +35,7 @@ pub fn draw(tests: &[Prepared], fits: &[LawFit], largest_i1_minus_3: f64) -> Res
     Ok(sheet)
 }
 
-fn chart(tests: &[Prepared], fits: &[LawFit], mode: Mode, largest_i1_minus_3: f64) -> Result<Chart, PostError> {
+fn chart(tests: &[Prepared], fits: &[LawFit], mode: Mode, largest_i1_minus_3: f64) -> Result<Chart, PlotError> {
     let of_mode: Vec<&Prepared> = tests.iter().filter(|t| t.test.mode == mode).collect();
     let all = || of_mode.iter().flat_map(|t| t.test.points.iter().chain(&t.cleaned.unused));
     let predicted = mode.stretch_of(largest_i1_minus_3);

@@ -129,7 +129,7 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     node_labels.resize(problem.mesh.num_nodes(), None);
     Some(Deck {
         title: title(&outline, sources),
-        schedule: Schedule { times: times.landings(), first_increment: times.steps.first()?.first },
+        schedule: Schedule { times: times.requested(), first_increment: times.steps.first()?.first },
         notes: Vec::new(),
         node_labels,
         element_labels: body.element_numbers.iter().map(label).collect(),

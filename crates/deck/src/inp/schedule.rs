@@ -12,7 +12,7 @@ use crate::syntax::Block;
 /// A value that jumps at the beginning of a step grows over this share of it instead, so that there is an equilibrium to start from.
 const JUMP: f64 = 1e-3;
 
-/// So many increments of `*STATIC, DIRECT` are landed on in one step at the most.
+/// So many increments of `*STATIC, DIRECT` are reached on in one step at the most.
 const MOST_INCREMENTS: f64 = 1000.0;
 
 /// A step in time.
@@ -123,7 +123,7 @@ impl Times {
     }
 
     /// Times to land on: the ends of the steps, and all increments of a step with `DIRECT`.
-    pub fn landings(&self) -> Vec<f64> {
+    pub fn requested(&self) -> Vec<f64> {
         let mut found = Vec::new();
         for step in &self.steps {
             let count =
@@ -195,7 +195,7 @@ impl Step {
             context.note(
                 line.place,
                 format!(
-                    "*STATIC, DIRECT: more than {MOST_INCREMENTS} increments; only the end of the step is landed on"
+                    "*STATIC, DIRECT: more than {MOST_INCREMENTS} increments; only the end of the step is reached exactly"
                 ),
             );
             self.is_direct = false;
@@ -313,6 +313,6 @@ mod tests {
     fn fixed_increments_are_landed_on() {
         let mut times = times(Vec::new());
         times.steps[1].is_direct = true;
-        assert_eq!(times.landings(), [1.0, 1.5, 2.0, 2.5, 3.0]);
+        assert_eq!(times.requested(), [1.0, 1.5, 2.0, 2.5, 3.0]);
     }
 }

@@ -16,7 +16,7 @@ use pneuflex_model::{Clock, LoadParameter, Problem, Solver};
 use crate::checkpoint::{Approach, Checkpoint};
 use crate::contributions::CavityPressures;
 use crate::convergence::Scales;
-use crate::error::{ResumeError, SetupError};
+use crate::error::{AssembleError, ResumeError, SetupError};
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure, Stability};
 use crate::globalisation::Tuning;
@@ -246,7 +246,9 @@ impl Path {
                     (Ok(rate), Some(first)) => rate / first,
                     (Ok(_), None) => 1.0,
                     // An equilibrium whose tangent is singular is as unstable as can be told.
-                    (Err(_), _) => f64::INFINITY,
+                    (Err(AssembleError::Factor(_)), _) => f64::INFINITY,
+                    // Nothing is known.
+                    (Err(_), _) => 0.0,
                 };
                 self.stability = Stability { softening, negative_pivots: 0 };
             }

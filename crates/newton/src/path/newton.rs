@@ -1,4 +1,4 @@
-//! Newton's method at one load.
+//! Newton's method at one load (theory §13).
 
 use super::{Converged, Path, Target};
 use crate::convergence::Criteria;
@@ -20,7 +20,7 @@ impl Path {
         target: Target,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
-        let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, held.is_some());
+        let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, held.is_some())?;
         let (tuning, settings) = (self.tuning.clone(), self.settings.clone());
         let mut policy = Globalisation::new(&tuning, &settings, self.scales.size);
         let mut multipliers = self.equilibrium.multipliers.clone();
@@ -65,7 +65,7 @@ impl Path {
             }
             if !policy.was_cautious() && criteria.may_be_met(&measures) {
                 let assembled = self.system.residual(&state)?;
-                if criteria.are_met(&mut self.system, &state, &assembled) {
+                if criteria.are_met(&mut self.system, &state, &assembled)? {
                     if !is_stable {
                         return Err(Cause::IndefiniteTangent { negative_pivots: tangent.negative_pivots() });
                     }

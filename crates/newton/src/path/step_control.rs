@@ -1,4 +1,4 @@
-//! Step control: how far the next load step goes, and what becomes of the path when one fails.
+//! Step control (theory §14): how far the next load step goes, and what becomes of the path when one fails.
 
 use pneuflex_model::LoadParameter;
 

@@ -160,20 +160,20 @@ fn one_thread_and_two_agree() {
 fn a_path_without_an_end_fails_and_keeps_what_it_reached() {
     let problem = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint);
     let settings = Solver { max_step: 100.0, min_step: 10.0, ..Solver::default() };
-    let mut landed = Vec::new();
+    let mut reached = Vec::new();
     let mut rejected = 0;
     let result = follow_path(&problem, &[5.0, 35.0, 5000.0], &settings, &mut |event| match event {
-        Event::Converged(state) => landed.push(state.clone()),
+        Event::Converged(state) => reached.push(state.clone()),
         Event::StepRejected { .. } => rejected += 1,
         _ => (),
     });
     let (failure, report) = *result.unwrap_err();
     println!("{failure} {rejected} {report:?}");
-    assert_eq!(landed.iter().map(|state| state.parameter.0).collect::<Vec<_>>(), [5.0, 35.0]);
+    assert_eq!(reached.iter().map(|state| state.parameter.0).collect::<Vec<_>>(), [5.0, 35.0]);
     assert!(rejected > 0 && report.iterations > 0);
     assert!(failure.reached.0 >= 35.0 && failure.attempted > failure.reached, "{failure}");
     let expected = follow(&problem, &[5.0, 35.0], &settings);
-    assert_eq!(landed, expected);
+    assert_eq!(reached, expected);
 }
 
 /// Rounding keeps the residual of a nearly rigid bulk above the tolerance asked for: a failure, not an endless iteration.

@@ -467,12 +467,12 @@ fn reference_volume_by_thirds_adds_forces_on_the_rim_only() {
 
     let by_thirds = ReferenceSolver::with_volume_weights(&problem, CLOSED).unwrap();
     let state = by_thirds.follow_path(&[20.0], &PathOptions::default()).unwrap().remove(0);
-    let landed = follow(&problem, &[20.0], &strict()).remove(0);
-    assert!(difference(landed.displacement.as_flattened(), &state.displacement) < 1e-8);
+    let reached = follow(&problem, &[20.0], &strict()).remove(0);
+    assert!(difference(reached.displacement.as_flattened(), &state.displacement) < 1e-8);
     let reaction = state.reaction();
     let largest = reaction.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let mut different = 0;
-    for (dof, (found, by_thirds)) in landed.reaction.as_flattened().iter().zip(&reaction).enumerate() {
+    for (dof, (found, by_thirds)) in reached.reaction.as_flattened().iter().zip(&reaction).enumerate() {
         let is_same = (found - by_thirds).abs() < 1e-6 * largest;
         assert!(is_same || across_rim[dof], "degree of freedom {dof}: {found} {by_thirds}");
         different += usize::from(!is_same);

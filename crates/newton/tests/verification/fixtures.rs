@@ -122,20 +122,20 @@ pub fn strict() -> Solver {
     Solver { tolerance: 1e-9, ..Solver::default() }
 }
 
-/// The landed states of the production path.
+/// The reached states of the production path.
 #[track_caller]
 pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Vec<ConvergedState> {
-    let mut landed = Vec::new();
+    let mut reached = Vec::new();
     let result = follow_path(problem, pressures_kpa, settings, &mut |event| {
         if let Event::Converged(state) = event {
-            landed.push(state.clone());
+            reached.push(state.clone());
         }
     });
     if let Err(ended) = result {
         panic!("{}", ended.0);
     }
-    assert_eq!(landed.len(), pressures_kpa.len());
-    landed
+    assert_eq!(reached.len(), pressures_kpa.len());
+    reached
 }
 
 /// The reference solver of a problem, and its states.

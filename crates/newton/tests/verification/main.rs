@@ -1,6 +1,6 @@
 //! The production path against the reference solver and against itself; closed forms are in `pneuflex-verification`.
 //!
-//! * [`cross_check`]: element, contribution, global residual and tangent, one Newton step, load path (design §2).
+//! * [`cross_check`]: element, contribution, global residual and tangent, one Newton step, load path (theory §16).
 //! * [`cross_check_loads`]: load paths with every load, constraint, obstacle and contact law that the reference has.
 //! * [`snapshots`]: what the two standard cases come out at, production and reference alike.
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.

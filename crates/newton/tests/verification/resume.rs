@@ -20,7 +20,7 @@ fn problem() -> Problem {
 }
 
 fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkpoint>, Vec<ConvergedState>) {
-    let (mut checkpoints, mut landed) = (Vec::new(), Vec::new());
+    let (mut checkpoints, mut reached) = (Vec::new(), Vec::new());
     let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.parameter.0);
     let settings = settings();
     let mut observer = |event: Event<'_>| {
@@ -33,9 +33,9 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
         path.resume(checkpoint).unwrap();
     }
     for pressure in PRESSURES_KPA.into_iter().filter(|pressure| *pressure >= from) {
-        landed.push(path.advance_to(pressure, &mut observer).unwrap());
+        reached.push(path.advance_to(pressure, &mut observer).unwrap());
     }
-    (checkpoints, landed)
+    (checkpoints, reached)
 }
 
 #[test]
@@ -47,9 +47,9 @@ fn every_checkpoint_leads_to_the_same_end() {
     assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
     for checkpoint in checkpoints {
         let at = checkpoint.parameter.0;
-        let (_, landed) = follow_from(&problem, Some(checkpoint));
-        let expected = &expected[expected.len() - landed.len()..];
-        for (found, expected) in landed.iter().zip(expected) {
+        let (_, reached) = follow_from(&problem, Some(checkpoint));
+        let expected = &expected[expected.len() - reached.len()..];
+        for (found, expected) in reached.iter().zip(expected) {
             let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
             let reaction = difference(found.reaction.as_flattened(), expected.reaction.as_flattened());
             println!("from {at} kPa to {} kPa: {u:.1e}, {reaction:.1e}", found.parameter);
@@ -77,8 +77,8 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
         if let Some(checkpoint) = checkpoint {
             path.resume(checkpoint).unwrap();
         }
-        let landed = path.advance_to(1.0, &mut observer).unwrap();
-        (landed, checkpoints)
+        let reached = path.advance_to(1.0, &mut observer).unwrap();
+        (reached, checkpoints)
     };
     let (expected, checkpoints) = follow(None);
     assert!(
@@ -88,9 +88,9 @@ fn checkpoints_hold_the_unknowns_beside_the_displacements() {
     );
     assert!(checkpoints.len() > 3 && checkpoints.iter().all(|checkpoint| checkpoint.bordered.len() == 1));
     for checkpoint in checkpoints {
-        let (landed, _) = follow(Some(checkpoint));
-        let u = difference(landed.displacement.as_flattened(), expected.displacement.as_flattened());
-        let pressure = landed.cavity_pressures[0].mpa() / expected.cavity_pressures[0].mpa() - 1.0;
+        let (reached, _) = follow(Some(checkpoint));
+        let u = difference(reached.displacement.as_flattened(), expected.displacement.as_flattened());
+        let pressure = reached.cavity_pressures[0].mpa() / expected.cavity_pressures[0].mpa() - 1.0;
         assert!(u < 1e-10 && pressure.abs() < 1e-10, "{u:.1e}, {pressure:.1e}");
     }
 }
@@ -117,8 +117,8 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
     path.advance_to(5.0, &mut observer).unwrap();
     let failure = path.advance_to(25.0, &mut observer).unwrap_err();
     assert_eq!(failure.cause, Cause::Interrupted);
-    let (_, landed) = follow_from(&problem, last);
-    assert!(difference(landed[0].displacement.as_flattened(), expected[1].displacement.as_flattened()) < 1e-10);
+    let (_, reached) = follow_from(&problem, last);
+    assert!(difference(reached[0].displacement.as_flattened(), expected[1].displacement.as_flattened()) < 1e-10);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Reading a case or model file and changes to it, with errors that name file, line, key and allowed range.
 //!
 //! Everything wrong with a case is said at once: what cannot be read is mended for the time being (a misspelt key gets its nearest
-//! name, a wrong value its default) and reading goes on, see [`repair`].
+//! name, a wrong value its default) and reading goes on (`repair`).
 //!
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.

@@ -9,6 +9,9 @@ pub use read::VtuError;
 
 use std::fmt::Write;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use crate::error::{PostError, check};
 
 /// A grid of cells with values at points and cells.
@@ -155,40 +158,18 @@ fn array(text: &mut String, kind: &str, name: &str, attributes: &str, data: Vec<
     *text += &format!("<DataArray type=\"{kind}\" Name=\"{name}\"{attributes} format=\"binary\">\n");
     let mut block = (data.len() as u64).to_le_bytes().to_vec();
     block.extend(data);
-    base64(&block, text);
+    STANDARD.encode_string(&block, text);
     *text += "\n</DataArray>\n";
 }
 
-pub(crate) fn escape(text: &str) -> String {
+/// Text as it may stand in XML.
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// Appends the base64 text (RFC 4648, padded) of `data`.
-pub(crate) fn base64(data: &[u8], text: &mut String) {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    text.reserve(data.len().div_ceil(3) * 4);
-    for chunk in data.chunks(3) {
-        let group = chunk.iter().fold(0_u32, |g, &b| g << 8 | u32::from(b)) << (8 * (3 - chunk.len()));
-        for i in 0..4 {
-            let digit = (group >> (18 - 6 * i)) & 63;
-            text.push(if i <= chunk.len() { char::from(ALPHABET[digit as usize]) } else { '=' });
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_of_the_rfc() {
-        // RFC 4648, section 10.
-        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            let mut text = String::new();
-            base64(plain.as_bytes(), &mut text);
-            assert_eq!(text, coded);
-        }
-    }
 
     #[test]
     fn fields_of_the_wrong_length_and_undefined_numbers_are_refused() {

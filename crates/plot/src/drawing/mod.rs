@@ -12,7 +12,7 @@ mod svg;
 pub use font::text_width;
 pub use png_file::encode as encode_png;
 
-use crate::error::PostError;
+use crate::error::PlotError;
 
 /// A colour, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,7 +180,7 @@ impl Drawing {
     ///
     /// # Errors
     /// An image whose bytes do not fit its size.
-    pub fn to_svg(&self) -> Result<String, PostError> {
+    pub fn to_svg(&self) -> Result<String, PlotError> {
         svg::write(self)
     }
 
@@ -188,7 +188,7 @@ impl Drawing {
     ///
     /// # Errors
     /// A sheet without area or too large, or an image whose bytes do not fit its size.
-    pub fn to_png(&self, scale: f64) -> Result<Vec<u8>, PostError> {
+    pub fn to_png(&self, scale: f64) -> Result<Vec<u8>, PlotError> {
         raster::write(self, scale)
     }
 

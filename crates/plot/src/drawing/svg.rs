@@ -1,12 +1,14 @@
 //! Drawings as SVG.
 
 use super::{Anchor, Colour, Drawing, Shape, Stroke, encode_png, short};
-use crate::error::PostError;
-use crate::vtu::{base64, escape};
+use crate::error::PlotError;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use pneuflex_post::vtu::escape;
 
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-pub(super) fn write(drawing: &Drawing) -> Result<String, PostError> {
+pub(super) fn write(drawing: &Drawing) -> Result<String, PlotError> {
     let (w, h) = (short(drawing.width), short(drawing.height));
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\" \
@@ -19,7 +21,7 @@ pub(super) fn write(drawing: &Drawing) -> Result<String, PostError> {
     Ok(text + "</svg>\n")
 }
 
-fn push(text: &mut String, shape: &Shape) -> Result<(), PostError> {
+fn push(text: &mut String, shape: &Shape) -> Result<(), PlotError> {
     match shape {
         Shape::Path { points, is_closed, stroke, fill } => {
             let name = if *is_closed { "polygon" } else { "polyline" };
@@ -62,7 +64,7 @@ fn push(text: &mut String, shape: &Shape) -> Result<(), PostError> {
                 short(*w),
                 short(*h)
             );
-            base64(&png, text);
+            STANDARD.encode_string(&png, text);
             *text += "\"/>\n";
         }
     }

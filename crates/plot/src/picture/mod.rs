@@ -8,7 +8,7 @@
 //! ```
 //! use pneuflex_mesh::{Actuator, MeshSize};
 //! use pneuflex_model::{Contact, Formulation, Material, Problem};
-//! use pneuflex_post::picture::{Body, Figure, Panel};
+//! use pneuflex_plot::picture::{Body, Figure, Panel};
 //!
 //! let size = MeshSize::uniform(2.0);
 //! let problem = Problem::from_actuator(
@@ -36,9 +36,11 @@ use pneuflex_model::Problem;
 
 use crate::chart::ticks;
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
-use crate::error::{PostError, check};
-use crate::surface::Bounds;
-use crate::vector::{Vec3, norm, sub};
+use pneuflex_post::check;
+
+use crate::error::PlotError;
+use pneuflex_post::surface::Bounds;
+use pneuflex_post::vector::{Vec3, norm, sub};
 use raster::{Frame, Paint, render};
 use skin::Skin;
 use view::Camera;
@@ -90,7 +92,7 @@ impl<'a> Panel<'a> {
     ///
     /// # Errors
     /// Displacements of the wrong length or with a number that is not finite.
-    pub fn with_contact_inset(mut self, gap: Option<usize>) -> Result<Self, PostError> {
+    pub fn with_contact_inset(mut self, gap: Option<usize>) -> Result<Self, PlotError> {
         let places = nearest(self.body.problem, self.body.displacement)?;
         let wanted = places.iter().filter(|n| gap.is_none_or(|g| g == n.gap));
         let deepest = wanted.min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm));
@@ -156,13 +158,13 @@ impl<'a> Figure<'a> {
     /// # Errors
     /// Lists of the wrong length or with a number that is not finite; a figure without panels or with a width of
     /// nothing.
-    pub fn draw(&self) -> Result<Drawing, PostError> {
+    pub fn draw(&self) -> Result<Drawing, PlotError> {
         let scenes = self.scenes()?;
         let range = self.common_range(&scenes);
         Layout::new(self, &scenes, range)?.draw(self, &scenes)
     }
 
-    fn scenes(&self) -> Result<Vec<Scene>, PostError> {
+    fn scenes(&self) -> Result<Vec<Scene>, PlotError> {
         let mut scenes = Vec::new();
         let mut bounds = Bounds::EMPTY;
         for panel in &self.panels {
@@ -195,7 +197,7 @@ impl<'a> Figure<'a> {
             scenes.push(Scene { skin, rings, values });
         }
         if !bounds.low.iter().chain(&bounds.high).all(|x| x.is_finite()) {
-            return Err(PostError::NotDrawable { what: "a figure without bodies".into() });
+            return Err(PlotError::NotDrawable { what: "a figure without bodies".into() });
         }
         Ok(scenes)
     }
@@ -238,7 +240,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(figure: &Figure<'_>, scenes: &[Scene], range: Option<[f64; 2]>) -> Result<Self, PostError> {
+    fn new(figure: &Figure<'_>, scenes: &[Scene], range: Option<[f64; 2]>) -> Result<Self, PlotError> {
         let bounds = scenes.iter().fold(Bounds::EMPTY, |b, s| b.join(&s.skin.bounds));
         let camera = Camera::new(&figure.view, bounds.centre(), norm(sub(bounds.high, bounds.low)));
         let mut frame = Frame::EMPTY;
@@ -252,7 +254,7 @@ impl Layout {
         let bar_space = if range.is_some() { 100.0 } else { 0.0 };
         let count = scenes.len() as f64;
         let width = (figure.width - 2.0 * MARGIN - bar_space - (count - 1.0) * MARGIN) / count;
-        let not_drawable = || PostError::NotDrawable { what: format!("panels {width} px wide") };
+        let not_drawable = || PlotError::NotDrawable { what: format!("panels {width} px wide") };
         if !width.is_finite() || width < 20.0 || !figure.max_panel_height.is_finite() || figure.max_panel_height < 20.0
         {
             return Err(not_drawable());
@@ -268,7 +270,7 @@ impl Layout {
         Ok(Self { camera, frame, scale, panel, top: MARGIN + title + heading, inset_height, range, bar_space })
     }
 
-    fn draw(&self, figure: &Figure<'_>, scenes: &[Scene]) -> Result<Drawing, PostError> {
+    fn draw(&self, figure: &Figure<'_>, scenes: &[Scene]) -> Result<Drawing, PlotError> {
         let caption = wrapped(&figure.caption, SMALL, figure.width - 2.0 * MARGIN);
         let inset_space = if self.inset_height > 0.0 { self.inset_height + 2.0 * MARGIN } else { 0.0 };
         let body = self.top + self.panel[1] + inset_space + MARGIN;
@@ -299,7 +301,7 @@ impl Layout {
         panel: &Panel<'_>,
         scene: &Scene,
         left: f64,
-    ) -> Result<(), PostError> {
+    ) -> Result<(), PlotError> {
         let corner = [left, self.top];
         drawing.text(&panel.title, [left, self.top - 8.0], HEADING, Anchor::Start);
         let Some(inset) = panel.inset else {
@@ -339,7 +341,7 @@ impl Layout {
         scale: f64,
         corner: [f64; 2],
         size: [f64; 2],
-    ) -> Result<(), PostError> {
+    ) -> Result<(), PlotError> {
         let sharpness = figure.sharpness.clamp(0.5, 4.0);
         let pixels = size.map(|s| (s * sharpness).round().max(1.0) as usize);
         let paint = Paint {

@@ -1,7 +1,7 @@
 //! Charts: lines and points over axes, bars of a tornado.
 //!
 //! ```
-//! use pneuflex_post::chart::{Chart, Series};
+//! use pneuflex_plot::chart::{Chart, Series};
 //!
 //! let chart = Chart {
 //!     x_label: "air pressure (kPa)".into(),
@@ -11,11 +11,13 @@
 //! };
 //! let drawing = chart.draw()?;
 //! assert!(drawing.to_svg()?.contains("multiple-point") && drawing.to_png(1.0)?.len() > 1000);
-//! # Ok::<(), pneuflex_post::PostError>(())
+//! # Ok::<(), pneuflex_plot::PlotError>(())
 //! ```
 
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
-use crate::error::{PostError, check};
+use pneuflex_post::check;
+
+use crate::error::PlotError;
 
 /// Colours that readers with any colour vision can tell apart (M. Okabe and K. Ito), darkest first.
 pub const PALETTE: [Colour; 7] = [
@@ -152,7 +154,7 @@ impl Chart {
     ///
     /// # Errors
     /// A number that is not finite, or not greater than 0 on a logarithmic axis; no numbers at all.
-    pub fn draw(&self) -> Result<Drawing, PostError> {
+    pub fn draw(&self) -> Result<Drawing, PlotError> {
         let axis = |d: usize, scale: Scale, shows: &[f64], label: &str| {
             let values: Vec<f64> =
                 self.series.iter().flat_map(|s| s.points.iter().map(|p| p[d])).chain(shows.iter().copied()).collect();
@@ -170,7 +172,7 @@ impl Chart {
             MARGIN + if legend.is_empty() { 6.0 } else { legend_width } + if end_labels > 0.0 { 6.0 } else { 0.0 };
         let width = self.width - left - right;
         if !width.is_finite() || width < 20.0 || !self.height.is_finite() || self.height < 20.0 {
-            return Err(PostError::NotDrawable { what: format!("a chart {} by {} px", self.width, self.height) });
+            return Err(PlotError::NotDrawable { what: format!("a chart {} by {} px", self.width, self.height) });
         }
         // Room for texts at the ends of lines.
         x.widen(0.5 * if end_labels > 0.0 { (end_labels + 14.0) / width } else { 0.0 });
@@ -246,18 +248,18 @@ struct Axis {
 }
 
 impl Axis {
-    fn around(values: &[f64], scale: Scale, label: &str) -> Result<Self, PostError> {
+    fn around(values: &[f64], scale: Scale, label: &str) -> Result<Self, PlotError> {
         let what = if label.is_empty() { "chart" } else { label };
         check(what, values, values.len())?;
         if scale == Scale::Logarithmic && values.iter().any(|v| *v <= 0.0) {
-            return Err(PostError::NotDrawable {
+            return Err(PlotError::NotDrawable {
                 what: format!("{what}: a number of 0 or less on a logarithmic axis"),
             });
         }
         let drawn = values.iter().map(|v| if scale == Scale::Logarithmic { v.log10() } else { *v });
         let (low, high) = drawn.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         if low > high {
-            return Err(PostError::NotDrawable { what: format!("{what}: a chart without numbers") });
+            return Err(PlotError::NotDrawable { what: format!("{what}: a chart without numbers") });
         }
         let room = if high > low { 0.05 * (high - low) } else { 0.5 * low.abs().max(1e-3) };
         let touch = |end: f64| scale == Scale::Linear && end == 0.0;
@@ -479,7 +481,7 @@ impl Tornado {
     ///
     /// # Errors
     /// A number that is not finite; a sheet too narrow for its texts.
-    pub fn draw(&self) -> Result<Drawing, PostError> {
+    pub fn draw(&self) -> Result<Drawing, PlotError> {
         const ROW: f64 = 26.0;
         let ends = |bar: &TornadoBar| [bar.lowered, bar.raised];
         let values: Vec<f64> = self.bars.iter().flat_map(ends).flatten().chain(std::iter::once(self.centre)).collect();
@@ -493,7 +495,7 @@ impl Tornado {
         let left = MARGIN + names + 12.0;
         let width = self.width - left - MARGIN - 8.0;
         if !width.is_finite() || width < 60.0 {
-            return Err(PostError::NotDrawable { what: format!("a chart {} px wide", self.width) });
+            return Err(PlotError::NotDrawable { what: format!("a chart {} px wide", self.width) });
         }
         // Room for the numbers at the ends of the bars.
         let room = 44.0 / width * (axis.high - axis.low);

@@ -2,11 +2,13 @@
 
 use pneuflex_model::Problem;
 
-use crate::error::{PostError, check};
-use crate::penetration::SAMPLES;
-use crate::search::Surface;
-use crate::surface::{Patch, SurfacePoint, cell_centre};
-use crate::vector::{Vec3, norm, sub};
+use pneuflex_post::check;
+
+use crate::error::PlotError;
+use pneuflex_post::penetration::SAMPLES;
+use pneuflex_post::search::Surface;
+use pneuflex_post::surface::{Patch, SurfacePoint, cell_centre};
+use pneuflex_post::vector::{Vec3, norm, sub};
 
 use super::view::unit;
 
@@ -25,7 +27,7 @@ pub struct Nearest {
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn nearest(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<Nearest>, PostError> {
+pub fn nearest(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<Nearest>, PlotError> {
     let samples = sample(problem, displacement, f64::INFINITY)?;
     let least = |found: Vec<Sample>| found.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
     Ok(samples
@@ -40,7 +42,7 @@ pub(crate) fn deeper_than(
     problem: &Problem,
     displacement: &[[f64; 3]],
     depth: f64,
-) -> Result<Vec<Vec<Vec3>>, PostError> {
+) -> Result<Vec<Vec<Vec3>>, PlotError> {
     let samples = sample(problem, displacement, -depth)?;
     Ok(samples
         .into_iter()
@@ -58,7 +60,7 @@ struct Sample {
 }
 
 /// Samples whose signed distance is below `limit`, and those that may be the nearest of their gap.
-fn sample(problem: &Problem, displacement: &[[f64; 3]], limit: f64) -> Result<Vec<(usize, Vec<Sample>)>, PostError> {
+fn sample(problem: &Problem, displacement: &[[f64; 3]], limit: f64) -> Result<Vec<(usize, Vec<Sample>)>, PlotError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut all = Vec::new();
     for (gap, pair) in problem.contact_pairs.iter().enumerate().filter(|(_, pair)| !pair.is_self()) {
@@ -124,7 +126,7 @@ mod tests {
         assert!(deep[0].iter().step_by(2).all(|p| p[0] > 10.09), "{deep:?}");
         assert!(deeper_than(&problem, &u, 0.5).unwrap()[0].is_empty());
         // In agreement with the measure of the summary.
-        let measured = crate::penetration::measure(&problem, &u).unwrap();
+        let measured = pneuflex_post::penetration::measure(&problem, &u).unwrap();
         assert_eq!(measured.max_penetration_mm(), -found[0].distance_mm);
     }
 }

@@ -6,14 +6,16 @@ use tiny_skia::{
 };
 
 use super::{Anchor, Colour, Drawing, Image, Shape, Stroke, encode_png, font, text_width};
-use crate::error::PostError;
+use pneuflex_post::PostError;
+
+use crate::error::PlotError;
 
 /// Pixels of a side beyond which a sheet is taken for a mistake.
 const LARGEST: f64 = 30_000.0;
 
-pub(super) fn write(drawing: &Drawing, scale: f64) -> Result<Vec<u8>, PostError> {
+pub(super) fn write(drawing: &Drawing, scale: f64) -> Result<Vec<u8>, PlotError> {
     let [width, height] = [drawing.width, drawing.height].map(|x| (x * scale).ceil());
-    let not_drawable = || PostError::NotDrawable { what: format!("a sheet of {width} by {height} pixels") };
+    let not_drawable = || PlotError::NotDrawable { what: format!("a sheet of {width} by {height} pixels") };
     if !(1.0..=LARGEST).contains(&width) || !(1.0..=LARGEST).contains(&height) {
         return Err(not_drawable());
     }
@@ -27,7 +29,7 @@ pub(super) fn write(drawing: &Drawing, scale: f64) -> Result<Vec<u8>, PostError>
     encode_png(width as usize, height as usize, &rgb)
 }
 
-fn draw(sheet: &mut Pixmap, shape: &Shape, scale: Transform) -> Result<(), PostError> {
+fn draw(sheet: &mut Pixmap, shape: &Shape, scale: Transform) -> Result<(), PlotError> {
     match shape {
         Shape::Path { points, is_closed, stroke, fill } => {
             let mut path = PathBuilder::new();
@@ -112,9 +114,9 @@ fn paint(Colour([r, g, b]): Colour) -> Paint<'static> {
     paint
 }
 
-fn pixmap(image: &Image) -> Result<Pixmap, PostError> {
+fn pixmap(image: &Image) -> Result<Pixmap, PlotError> {
     let expected = 4 * image.width * image.height;
-    let wrong = || PostError::WrongLength { what: "image".into(), expected, found: image.rgba.len() };
+    let wrong = || PostError::WrongLength { what: "image".into(), expected, found: image.rgba.len() }.into();
     if image.rgba.len() != expected {
         return Err(wrong());
     }

@@ -1,0 +1,51 @@
+//! What a path asks and tells the contact of its system.
+
+use std::time::Instant;
+
+use pneuflex_assembly::Unilateral;
+
+use crate::system::{System, unilateral};
+
+impl System {
+    /// Largest penetration of a contact point at a displacement, mm; 0 where nothing touches.
+    pub fn deepest_penetration(&mut self, displacement: &[[f64; 3]]) -> f64 {
+        let start = Instant::now();
+        let deepest = |contact: &dyn Unilateral| contact.deepest_penetration(displacement);
+        let depth = unilateral(&self.contributions).map(deepest).fold(0.0, f64::max);
+        self.timing.contact_s += start.elapsed().as_secs_f64();
+        depth
+    }
+
+    /// Number of contact points, touching or not.
+    pub fn num_contact_points(&self) -> usize {
+        unilateral(&self.contributions).map(Unilateral::num_points).sum()
+    }
+
+    /// Traction that every contact point carries without penetration, MPa; empty for none.
+    pub fn contact_multipliers(&self) -> Vec<f64> {
+        unilateral(&self.contributions).flat_map(|contact| contact.multipliers().to_vec()).collect()
+    }
+
+    /// Sets them. There must be none or as many as contact points.
+    pub fn set_contact_multipliers(&mut self, multipliers: &[f64]) {
+        let mut left = multipliers;
+        for contact in self.contributions.iter_mut().filter_map(|contribution| contribution.unilateral_mut()) {
+            let (own, rest) = left.split_at(contact.num_points().min(left.len()));
+            contact.set_multipliers(own.to_vec());
+            left = rest;
+        }
+    }
+
+    /// Tractions ⟨λ − k d⟩ of all contact points at a displacement, MPa, and the largest |d| of those that carry one, mm.
+    pub fn contact_tractions(&mut self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
+        let start = Instant::now();
+        let (mut tractions, mut distance) = (Vec::new(), 0.0_f64);
+        for contact in unilateral(&self.contributions) {
+            let (own, largest) = contact.tractions(displacement);
+            tractions.extend(own);
+            distance = distance.max(largest);
+        }
+        self.timing.contact_s += start.elapsed().as_secs_f64();
+        (tractions, distance)
+    }
+}
