@@ -1,5 +1,6 @@
 //! Scatter of block results into the residual vector and the node-blocked matrix.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use pneuflex_factor::BlockPattern;
@@ -21,7 +22,14 @@ pub struct Totals {
     pub tangent: Vec<f64>,
 }
 
-/// Where the node pairs of a contribution's blocks go in the matrix: position · 2, plus 1 if the block is transposed.
+/// A node pair's values are added as they are.
+const PLAIN: u32 = 1;
+
+/// A node pair's values are added transposed.
+const TRANSPOSED: u32 = 2;
+
+/// Where the node pairs of a contribution's blocks go in the matrix: position · 4, plus [`PLAIN`], [`TRANSPOSED`], or both for the pair
+/// of two places at which a block has the same node.
 #[derive(Clone, Debug, Default)]
 struct ScatterMap {
     offsets: Vec<usize>,
@@ -122,10 +130,15 @@ impl ScatterMap {
         for block in 0..contribution.num_blocks() {
             let nodes = contribution.nodes(block);
             for (a, &row) in nodes.iter().enumerate() {
-                for &column in &nodes[..=a] {
-                    let transposed = row < column;
+                for (b, &column) in nodes[..=a].iter().enumerate() {
+                    let ways = match row.cmp(&column) {
+                        Ordering::Greater => PLAIN,
+                        Ordering::Less => TRANSPOSED,
+                        Ordering::Equal if a == b => PLAIN,
+                        Ordering::Equal => PLAIN | TRANSPOSED,
+                    };
                     let (i, j) = (row.max(column) as usize, row.min(column) as usize);
-                    map.positions.push(2 * pattern.position(i, j)? as u32 + u32::from(transposed));
+                    map.positions.push(4 * pattern.position(i, j)? as u32 + ways);
                 }
             }
             map.offsets.push(map.positions.len());
@@ -199,13 +212,14 @@ fn scatter_block(
     }
     let positions = &map.positions[map.offsets[block]..map.offsets[block + 1]];
     for (&code, values) in positions.iter().zip(&local.tangent) {
-        let start = 9 * (code / 2) as usize;
+        let start = 9 * (code / 4) as usize;
         let target = &mut totals.tangent[start..start + 9];
-        if code % 2 == 0 {
+        if code & PLAIN != 0 {
             for k in 0..9 {
                 target[k] += values[k];
             }
-        } else {
+        }
+        if code & TRANSPOSED != 0 {
             for i in 0..3 {
                 for j in 0..3 {
                     target[3 * j + i] += values[3 * i + j];

@@ -55,7 +55,7 @@ pub trait LocalContribution: Sync {
     /// Number of blocks.
     fn num_blocks(&self) -> usize;
 
-    /// Node numbers of a block.
+    /// Node numbers of a block, in any order; one may be there more than once.
     fn nodes(&self, block: usize) -> &[u32];
 
     /// Evaluates a block at nodal displacements `displacement` (mm, one entry per mesh node) into `out`, which the

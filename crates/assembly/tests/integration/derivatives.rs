@@ -95,6 +95,20 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
     }
 }
 
+/// A brick whose edge is collapsed to a wedge's: two of its places are one node.
+#[test]
+fn a_brick_with_a_repeated_node_has_its_whole_tangent() {
+    for formulation in [Formulation::Hex8Sri, Formulation::Hex8Q1p0] {
+        let mut wedge = skewed(formulation);
+        wedge.nodes =
+            vec![[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 1.0, 0.0], [0.0, 0.1, 1.0], [1.1, 0.0, 1.0], [0.1, 0.9, 1.2]];
+        wedge.connectivity = vec![0, 1, 2, 2, 3, 4, 5, 5];
+        let material = Material { bulk_modulus: 3.0, ..Material::default() };
+        let solid = Solid::new(wedge.clone(), formulation, &material).unwrap();
+        check(&format!("wedge, {formulation}"), &solid, &deformation(&wedge, 0.8), |_| true);
+    }
+}
+
 #[test]
 fn pressure_residual_and_tangent_are_derivatives_of_the_potential() {
     for formulation in Formulation::ALL {

@@ -42,19 +42,11 @@ fn nodes_in_any_order_give_the_same_matrix() {
     }
 }
 
-/// Aim: where a node stands twice in a block, its forces add up, and the pattern has no place for it but its diagonal.
+/// Aim: where a node stands twice in a block, all that belongs to it is added, the coupling of its two places both ways.
 #[test]
-fn repeated_nodes_collect_their_forces() {
-    let mock = Mock::of_integers(5, &[&[2, 0, 2, 0], &[1, 1, 1]]);
-    let u = displacement(3);
-    let expected = Dense::sum(&[&mock], &u);
-    let mut assembler = assembler_of(&[&mock], 3);
-    assert!(assembler.pattern().num_blocks() == 4 && assembler.covers(&mock));
-    let mut totals = Totals::default();
-    assembler.reset(&mut totals, Request::Residual);
-    assembler.add(0, &mock, &u, Request::Residual, &mut totals).unwrap();
-    assert!(expected.residual.as_flattened().iter().all(|force| *force != 0.0), "{:?}", expected.residual);
-    assert_eq!((totals.energy, totals.residual), (expected.energy, expected.residual));
+fn repeated_nodes_collect_all_their_values() {
+    check_sums(&[&Mock::of_integers(4, &[&[1, 1]])], 3);
+    check_sums(&[&Mock::of_integers(5, &[&[2, 0, 2, 1, 0], &[1, 1, 1], &[0, 1, 2]])], 3);
 }
 
 /// Aim: several contributions find their own blocks, also beside one that has none; without any there is nothing.
