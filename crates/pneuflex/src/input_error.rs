@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use pneuflex_deck::DeckError;
@@ -17,10 +17,11 @@ const LINE_SHOWN: usize = 100;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
     kind: InputErrorKind,
-    message: String,
-    key: Option<String>,
-    help: Option<String>,
-    file: Option<PathBuf>,
+    // Boxed slices: results carry this type, and should stay small.
+    message: Box<str>,
+    key: Option<Box<str>>,
+    help: Option<Box<str>>,
+    file: Option<Box<Path>>,
     line: Option<usize>,
     place: Option<Box<Place>>,
 }
@@ -139,13 +140,13 @@ fn floor_char(text: &str, index: usize) -> usize {
 impl InputError {
     /// An error that belongs to no place in a file.
     pub fn new(message: impl Into<String>) -> Self {
-        let message = shortened(message.into(), LONGEST_MESSAGE);
+        let message = shortened(message.into(), LONGEST_MESSAGE).into();
         Self { kind: InputErrorKind::Other, message, key: None, help: None, file: None, line: None, place: None }
     }
 
     /// An error about a file as a whole.
     pub fn about_file(path: &Path, message: impl fmt::Display) -> Self {
-        Self { file: Some(path.to_owned()), ..Self::new(format!("{}: {message}", path.display())) }
+        Self { file: Some(path.into()), ..Self::new(format!("{}: {message}", path.display())) }
     }
 
     /// Sets the kind.
@@ -161,7 +162,7 @@ impl InputError {
 
     /// Adds the key that it is about.
     pub fn of_key(mut self, key: impl Into<String>) -> Self {
-        self.key = Some(key.into()).filter(|key| !key.is_empty());
+        self.key = Some(key.into().into_boxed_str()).filter(|key| !key.is_empty());
         self
     }
 
@@ -173,7 +174,7 @@ impl InputError {
 
     /// Adds advice.
     pub fn with_help(mut self, help: Option<String>) -> Self {
-        self.help = help;
+        self.help = help.map(String::into_boxed_str);
         self
     }
 
@@ -211,7 +212,7 @@ impl InputError {
 
 impl From<DeckError> for InputError {
     fn from(error: DeckError) -> Self {
-        let (file, line) = (Some(PathBuf::from(&error.file)), Some(error.line as usize));
+        let (file, line) = (Some(Path::new(&error.file).into()), Some(error.line as usize));
         Self { file, line, ..Self::new(error.to_string()) }
     }
 }

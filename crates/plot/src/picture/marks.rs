@@ -23,7 +23,7 @@ pub struct Nearest {
     pub distance_mm: f64,
 }
 
-/// For every gap the place where its walls are nearest, by the sampling of [`crate::penetration`].
+/// For every gap the place where its walls are nearest, by the sampling of [`pneuflex_post::penetration`].
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
