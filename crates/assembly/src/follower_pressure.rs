@@ -3,7 +3,7 @@
 //! The residual is the follower load itself, `r_a = p ∫ N_a (r_ξ × r_η) dξ dη` with the facet's normal pointing out of the
 //! solid. Its derivative is symmetric only after assembly, and only if the cavity is closed or cut by planes in which
 //! its rim stays. Each face adds the symmetric part of its derivative: the parts left out cancel between neighbouring
-//! faces and, on such a rim, act on held displacements only. What is left on other rims is in [`crate::rim`].
+//! faces and, on such a rim, act on held displacements only. What is left on other rims is in [`crate::boundary_term`].
 //!
 //! The potential is −p V. Of the many surface integrals for the volume V the one with the field (0, y, 0) is used,
 //! `V = −∮ y n_y dS`: a rim in the symmetry plane y = 0, or in planes x = const and z = const, adds nothing to it or to its derivatives. (The form ⅓∮ r·n dS

@@ -1,10 +1,11 @@
 //! Element kernels and their deterministic parallel assembly.
 //!
-//! Two levels that know nothing of each other:
+//! A solver is given a list of [`Contribution`]s: [`Solid`], [`cavity::PressurisedFaces`], [`ConservativeLoads`], [`Equations`] and
+//! [`ContactForces`] here. Two levels that know nothing of each other put their blocks together:
 //!
 //! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
-//!   its nodes and computes energy, residual and tangent of one block. [`Solid`], [`FollowerPressure`], [`Contact`] and [`Equations`] are
-//!   contributions; forces that never change are in [`conservative_load`], what a pressure's tangent has beside its symmetric part in [`boundary_term`].
+//!   its nodes and computes energy, residual and tangent of one block. What a pressure's tangent has beside its symmetric part is in
+//!   [`boundary_term`].
 //! * global: [`Assembler`] knows blocks and node numbers only, and scatters what the blocks compute into a residual
 //!   vector and a node-blocked symmetric matrix.
 //!

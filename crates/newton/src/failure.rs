@@ -76,7 +76,7 @@ pub enum Cause {
     Interrupted,
 }
 
-/// A path that could not be followed to its end; every state before was reported by [`Event::Converged`].
+/// A path that could not be followed to its end; every state before was reported by [`Event::Converged`](crate::Event::Converged).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     /// Position of the last equilibrium.
