@@ -89,11 +89,11 @@ impl Progress {
         }
     }
 
-    /// An iteration is done; "again" is one more correction with the factor of the same iteration.
+    /// An iteration is done; "same factor" is one more correction of modified Newton.
     fn iteration(&self, record: &IterationRecord) {
-        let again = if record.new_tangent { "" } else { " again" };
+        let modified = if record.new_tangent { "" } else { ", same factor" };
         let text = format!(
-            "iteration {}{again}: correction {:.2e}, residual {:.2e} N, {} contact points",
+            "iteration {}{modified}: correction {:.2e}, residual {:.2e} N, {} contact points",
             record.iteration, record.correction, record.residual, record.contact_points
         );
         match &self.output {

@@ -100,6 +100,27 @@ fn a_cube_under_pressure_is_pressed_down() {
     assert_eq!(described.summary, solution.states[1]);
 }
 
+/// An actuator as the body of a model file has the air that the file gives it, and none if it gives none.
+#[test]
+fn an_actuator_in_a_model_file_without_a_cavity_has_no_air() {
+    let model = |loads: &str| {
+        let text = format!(
+            "[actuator]\nchambers = 1\n[mesh]\nelement = \"hex8-q1p0\"\nsize = 3.0\n[load]\ntimes = [1.0, 20.0]\n\
+             [[probe]]\nname = \"end\"\nat = [12.0, 0.0, 0.0]\n{loads}"
+        );
+        Study::from_text("model.toml", &text).unwrap().build().unwrap().solve().unwrap()
+    };
+    let without = model("");
+    assert_eq!(without.states.len(), 2);
+    for state in &without.states {
+        assert!(state.cavities.is_empty() && state.probes["end"].iter().all(|u| u.abs() < 1e-12), "{state:?}");
+    }
+    let with = model("[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 1.0\n");
+    assert!(
+        (with.states[1].cavities["air"].pressure_kpa - 1.0).abs() < 1e-12 && with.states[1].probes["end"][2] < -1e-3
+    );
+}
+
 #[test]
 fn bodies_that_make_no_sense_are_refused() {
     let refused = |nodes: Vec<[f64; 3]>, cell: &[u32]| match Body::new(Formulation::Hex8Q1p0, nodes, &[cell]) {

@@ -158,7 +158,7 @@ mod tests {
         }
     }
 
-    /// Two million times as stiff in volume as in shear: states on the way must not be left with the volumes that a loose step may have.
+    /// Two million times as stiff in volume as in shear: states on the way must not be left with the volumes that an inexact step may have.
     #[test]
     fn a_hardly_compressible_balloon_is_pumped_up() {
         let stiff = Material { bulk_modulus: 1e6, ..neo_hookean() };

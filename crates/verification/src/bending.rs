@@ -6,7 +6,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, last, material, near, prescribe};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -81,7 +81,7 @@ fn bent([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
 fn moment(problem: &Problem) -> Result<f64, String> {
     let angle = |i: u32| FRAC_PI_2 * f64::from(i) / f64::from(STEPS);
     let stages = (1..=STEPS).map(|i| displacement(&problem.mesh, |x| bent(x, angle(i))));
-    let state = last(impose(problem, stages)?)?;
+    let state = last(prescribe(problem, stages)?)?;
     let centre = -stretches(FRAC_PI_2)[0] * LENGTH / FRAC_PI_2;
     let turned = problem.mesh.select_nodes(|x| near(x[1], LENGTH));
     let moment_of = |&node: &u32| {

@@ -38,7 +38,7 @@ pub fn displacement(mesh: &Mesh, deformed: impl Fn([f64; 3]) -> [f64; 3]) -> Vec
 ///
 /// # Errors
 /// What kept the solver from converging.
-pub fn impose(
+pub fn prescribe(
     problem: &Problem,
     stages: impl IntoIterator<Item = Vec<[f64; 3]>>,
 ) -> Result<Vec<ConvergedState>, String> {

@@ -6,7 +6,7 @@ use pneuflex_model::{Contact, ContactPair, Formulation, Problem};
 use pneuflex_post::stress;
 
 use crate::Effort;
-use crate::body::{body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, last, material, near, prescribe};
 use crate::homogeneous::bar_stress;
 use crate::row::Row;
 use crate::yeoh::root;
@@ -70,7 +70,7 @@ fn press(formulation: Formulation, slave: usize, master: usize) -> Result<[f64; 
         let way = 0.25 * WAY * f64::from(i);
         displacement(&problem.mesh, |[x, y, z]| [x, y, if near(z, 2.0) { z - way } else { z }])
     });
-    let state = last(impose(&problem, stages)?)?;
+    let state = last(prescribe(&problem, stages)?)?;
     let top = problem.mesh.select_nodes(|x| near(x[2], 2.0));
     let force: f64 = top.iter().map(|&node| state.reaction[node as usize][2]).sum();
     // The way grows as the stretch falls.

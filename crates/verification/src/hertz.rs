@@ -8,7 +8,7 @@ use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::{Contact, ContactPair, Formulation, Law, Material, Problem};
 
 use crate::Effort;
-use crate::body::{body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, last, material, near, prescribe};
 use crate::contact_patch::joined;
 use crate::row::Row;
 
@@ -81,7 +81,7 @@ fn compare(formulation: Formulation, cells: usize) -> Result<Comparison, String>
         let way = share * (APPROACH + GAP);
         displacement(&problem.mesh, |[x, y, z]| [x, y, if near(z, top) { z - way } else { z }])
     });
-    let state = last(impose(&problem, stages)?)?;
+    let state = last(prescribe(&problem, stages)?)?;
     let quarter: f64 =
         problem.mesh.select_nodes(|x| near(x[2], top)).iter().map(|&n| state.reaction[n as usize][2]).sum();
     let force = 4.0 * quarter.abs();

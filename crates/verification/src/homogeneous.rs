@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Invariant, Material, Problem};
 
 use crate::Effort;
-use crate::body::{body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, last, material, near, prescribe};
 use crate::row::Row;
 use crate::yeoh::{root, slope};
 
@@ -77,7 +77,7 @@ fn nominal_stress(problem: &Problem, transverse: Transverse, stretch: f64) -> Re
         // Where the opposite face is free, the displacement along y is not used.
         displacement(&problem.mesh, |[x, y, z]| [now * x, transverse(now) * y, z])
     });
-    let state = last(impose(problem, stages)?)?;
+    let state = last(prescribe(problem, stages)?)?;
     Ok(problem.mesh.select_nodes(|x| near(x[0], 1.0)).iter().map(|&node| state.reaction[node as usize][0]).sum())
 }
 

@@ -4,7 +4,7 @@ use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::{Formulation, Material, Problem};
 
 use crate::Effort;
-use crate::body::{body, displacement, hold, impose, last, material, near};
+use crate::body::{body, displacement, hold, last, material, near, prescribe};
 use crate::row::Row;
 use crate::yeoh::{integrate, slope};
 
@@ -97,7 +97,7 @@ fn torque_and_force(problem: &Problem, twist: f64) -> Result<[f64; 2], String> {
             [c * x - s * y, s * x + c * y, z]
         })
     });
-    let state = last(impose(problem, stages)?)?;
+    let state = last(prescribe(problem, stages)?)?;
     let mut sums = [0.0; 2];
     for node in problem.mesh.select_nodes(|x| near(x[2], 1.0)) {
         let (u, force) = (state.displacement[node as usize], state.reaction[node as usize]);

@@ -24,7 +24,7 @@ const STEPS: [f64; 3] = [0.1, 1.0, 1e-5];
 pub struct Study {
     /// The problem.
     pub problem: Problem,
-    /// Times to land on.
+    /// Times to reach.
     pub times: Vec<f64>,
     /// Solver settings.
     pub solver: Solver,
@@ -63,7 +63,9 @@ impl Model {
         for (i, equation) in self.equations.iter().enumerate() {
             build.equation(i, equation);
         }
-        if !self.cavities.is_empty() {
+        // The air of an actuator's case file follows the load parameter as kPa: it is none of a model file's. A deck has cavities of its
+        // own, unless the model file names some.
+        if self.actuator.is_some() || !self.cavities.is_empty() {
             build.problem.cavities.clear();
         }
         for (i, cavity) in self.cavities.iter().enumerate() {
