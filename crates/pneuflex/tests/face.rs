@@ -105,8 +105,11 @@ fn a_cube_under_pressure_is_pressed_down() {
 fn an_actuator_in_a_model_file_without_a_cavity_has_no_air() {
     let model = |loads: &str| {
         let text = format!(
-            "[actuator]\nchambers = 1\n[mesh]\nelement = \"hex8-q1p0\"\nsize = 3.0\n[load]\ntimes = [1.0, 20.0]\n\
-             [[probe]]\nname = \"end\"\nat = [12.0, 0.0, 0.0]\n{loads}"
+            "[actuator]\nchambers = 2\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 2.0\nwidth = 20.0\n\
+             height = 13.0\nbase = 4.0\nside_wall = 1.0\ntop_wall = 1.0\n\
+             channel = {{ half_width = 1.0, bottom = 2.0, top = 3.0 }}\n\
+             [mesh]\nelement = \"hex8-q1p0\"\nsize = 3.0\n[load]\ntimes = [1.0, 20.0]\n\
+             [[probe]]\nname = \"end\"\nat = [22.0, 0.0, 0.0]\n{loads}"
         );
         Study::from_text("model.toml", &text).unwrap().build().unwrap().solve().unwrap()
     };
