@@ -9,7 +9,7 @@ use std::sync::Arc;
 use pneuflex_model::LoadParameter;
 
 use crate::boundary_term::Couplings;
-use crate::local::LocalContribution;
+use crate::local::{LocalContribution, LocalError};
 
 /// Where contributions are evaluated.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +57,14 @@ pub trait Contribution: Send + Sync {
     /// Its part in a mixed linearisation, if it has one.
     fn mixed(&mut self) -> Option<&mut dyn Mixed> {
         None
+    }
+
+    /// Whether a displacement that solves the equations may count as an equilibrium, from which results are derived.
+    ///
+    /// # Errors
+    /// An element that is turned inside out where the equations did not notice.
+    fn check_equilibrium(&self, _displacement: &[[f64; 3]]) -> Result<(), LocalError> {
+        Ok(())
     }
 
     /// What it keeps apart, if it is contact. Its blocks may have other nodes at other positions then.

@@ -135,22 +135,35 @@ impl Mesh {
 
     /// For every node the lowest node of its part: nodes that elements join belong to one part.
     pub fn parts(&self) -> Vec<usize> {
-        fn root(part: &mut [usize], mut node: usize) -> usize {
-            while part[node] != node {
-                part[node] = part[part[node]];
-                node = part[node];
-            }
-            node
-        }
-        let mut part: Vec<usize> = (0..self.num_nodes()).collect();
-        for element in 0..self.num_elements() {
+        let neighbours = (0..self.num_elements()).flat_map(|element| {
             let nodes = self.element(element);
-            for &node in &nodes[1..] {
-                let (a, b) = (root(&mut part, nodes[0] as usize), root(&mut part, node as usize));
-                part[a.max(b)] = a.min(b);
-            }
+            nodes[1..].iter().map(|&node| [nodes[0] as usize, node as usize])
+        });
+        joined(self.num_nodes(), neighbours)
+    }
+
+    /// For every element the number of its part: elements that faces join belong to one part, which is rigid if its elements are; two parts
+    /// may share nodes (a hinge). Parts are numbered in the order of their first elements.
+    pub fn parts_by_faces(&self) -> Vec<usize> {
+        let mut faces: Vec<([u32; 4], u32)> = Vec::new();
+        for facet in (0..self.num_elements() as u32).flat_map(|element| self.facets_of(element)) {
+            let corners = self.face_kind(facet).num_corners();
+            let mut key = [u32::MAX; 4];
+            key.iter_mut().zip(&self.facet_nodes(facet)[..corners]).for_each(|(key, node)| *key = *node);
+            key.sort_unstable();
+            faces.push((key, facet.element));
         }
-        (0..self.num_nodes()).map(|node| root(&mut part, node)).collect()
+        faces.sort_unstable();
+        let pairs =
+            faces.windows(2).filter(|two| two[0].0 == two[1].0).map(|two| [two[0].1, two[1].1].map(|e| e as usize));
+        let lowest = joined(self.num_elements(), pairs);
+        let mut number = vec![0; lowest.len()];
+        let mut count = 0;
+        for element in 0..lowest.len() {
+            number[element] = if lowest[element] == element { count } else { number[lowest[element]] };
+            count += usize::from(lowest[element] == element);
+        }
+        number
     }
 
     /// Largest extent along an axis, mm.
@@ -226,4 +239,21 @@ impl Mesh {
         }
         self
     }
+}
+
+/// For every thing the lowest one that pairs join it with.
+fn joined(count: usize, pairs: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+    fn root(of: &mut [usize], mut thing: usize) -> usize {
+        while of[thing] != thing {
+            of[thing] = of[of[thing]];
+            thing = of[thing];
+        }
+        thing
+    }
+    let mut of: Vec<usize> = (0..count).collect();
+    for pair in pairs {
+        let [a, b] = pair.map(|thing| root(&mut of, thing));
+        of[a.max(b)] = a.min(b);
+    }
+    (0..count).map(|thing| root(&mut of, thing)).collect()
 }

@@ -4,6 +4,7 @@
 //!   `unilateral`: its contact.
 //! * [`state`]: the unknowns, and an equilibrium; [`linearisation`]: what a tangent is made from.
 //! * [`tangent_solver`]: solutions with a tangent: its factor, `bordered` unknowns, an unsymmetric part.
+//! * [`rigid_motion`]: what nothing holds, before anything is solved.
 //! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is.
 //! * [`rotation_update`]: how displacements follow a correction.
 //! * [`path`]: Newton's method at one load, the guess before it, the steps around it; `prescribed_motion`: supports that move.
@@ -26,6 +27,7 @@ pub mod history;
 pub mod linearisation;
 pub mod path;
 mod prescribed_motion;
+pub mod rigid_motion;
 pub mod rotation_update;
 mod stability;
 pub mod state;
@@ -42,6 +44,7 @@ pub use event::{Event, Observer};
 pub use failure::{Cause, Failure, Stability};
 pub use history::{Augmentation, ConvergedState, IterationRecord};
 pub use path::{Path, follow_path};
+pub use rigid_motion::{LoosePart, loose_parts};
 pub use state::{Correction, Equilibrium, State};
 pub use system::System;
 pub use tangent_solver::{Assembled, Tangent};

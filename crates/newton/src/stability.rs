@@ -1,6 +1,8 @@
 //! How firm an equilibrium is ([`Stability`](crate::Stability), theory §15): its inertia comes with the tangent (`tangent_solver`); here is how much
 //! it gives way.
 
+use pneuflex_assembly::LocalError;
+
 use crate::error::AssembleError;
 use crate::prescribed_motion::PrescribedMotion;
 use crate::state::State;
@@ -28,4 +30,14 @@ pub(crate) fn stretching_rate(
     let rate = system.extent(&state.displacement, &correction.displacement).stretch / change;
     system.recycle(Some(tangent));
     Ok(rate)
+}
+
+impl System {
+    /// Whether a displacement that solves the equations may count as an equilibrium.
+    ///
+    /// # Errors
+    /// An element that is turned inside out where the equations did not notice.
+    pub fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
+        self.contributions.iter().try_for_each(|contribution| contribution.check_equilibrium(displacement))
+    }
 }

@@ -16,10 +16,12 @@ use crate::diagnosis::{Warning, warnings};
 use crate::document::CaseFile;
 use crate::error::Error;
 use crate::files::{Files, INPUT};
+use crate::holding;
 use crate::input_error::InputError;
 use crate::memory::Estimate;
 use crate::recorded_mesh::{self, RecordedMesh};
 use crate::store::Store;
+use crate::vocabulary::Vocabulary;
 
 /// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
 const MOST_OVERLAP: f64 = 1e-9;
@@ -80,7 +82,7 @@ impl Analysis {
             return Err(file.out_of_range(&overlap).into());
         }
         let notes = warning.into_iter().map(|warning| format!("warning: {warning}")).collect();
-        Ok(Self { notes, ..Self::of_case(file.path(), file.case.clone(), problem) })
+        Self { notes, ..Self::of_case(file.path(), file.case.clone(), problem) }.held()
     }
 
     /// An actuator's case with its problem, e.g. on another mesh than the case's own. `path` stands for its file.
@@ -137,7 +139,22 @@ impl Analysis {
         let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
         let said = |errors: Vec<CaseError>| errors.into_iter().map(say).collect::<Vec<InputError>>();
         let analysis = Self::of_body(path, model.clone(), body, schedule).map_err(said)?;
-        Ok(Self { title, notes, description: Description::Model(Box::new(model), files), ..analysis })
+        Self { title, notes, description: Description::Model(Box::new(model), files), ..analysis }.held()
+    }
+
+    /// The same, once something holds every part of the body.
+    ///
+    /// # Errors
+    /// The rigid motions that nothing holds.
+    pub(crate) fn held(mut self) -> Result<Self, Vec<InputError>> {
+        let warning = holding::check(&self.problem, self.vocabulary())?;
+        self.notes.extend(warning.map(|warning| format!("warning: {warning}")));
+        Ok(self)
+    }
+
+    /// What things are called where it was written.
+    pub fn vocabulary(&self) -> Vocabulary {
+        Vocabulary::of(self)
     }
 
     /// A model on a body that is there.

@@ -199,7 +199,7 @@ impl Body {
     /// Puts the problem together.
     ///
     /// # Errors
-    /// [`Error::Input`]: every value out of range, every set that does not exist or is empty, times that are missing.
+    /// [`Error::Input`]: every value out of range, every set that does not exist or is empty, times that are missing, a part that nothing holds.
     pub fn analysis(&self) -> Result<Analysis, Error> {
         let path = Path::new("body.toml");
         let said = |error: pneuflex_model::CaseError| InputError::new(error.to_string()).of_key(&error.key);
@@ -210,6 +210,6 @@ impl Body {
         check(self.formulation, &self.mesh)?;
         let problem = Problem::body(self.mesh.clone(), self.formulation, Material::default());
         let analysis = Analysis::of_body(path, self.model.clone(), problem, None);
-        Ok(analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?)
+        Ok(analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?.held()?)
     }
 }

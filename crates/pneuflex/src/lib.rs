@@ -108,7 +108,7 @@
 //! |---|---|
 //! | [`study`], [`body`], [`analysis`] | what is to be solved: from files, from memory, built |
 //! | [`run`], [`observer`] | following the path |
-//! | [`error`], [`input_error`], [`diagnosis`] | what went wrong, where, why, and what to try |
+//! | [`error`], [`input_error`], [`diagnosis`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`folder`], [`recorder`], [`checkpoint_file`], [`report_page`] | result folders |
 //! | [`convergence`] | sequences of meshes |
@@ -125,6 +125,7 @@ pub mod document;
 pub mod error;
 mod files;
 pub mod folder;
+mod holding;
 pub mod input_error;
 pub mod json;
 pub mod memory;
@@ -138,6 +139,7 @@ pub mod solution;
 mod store;
 pub mod study;
 pub mod template;
+pub mod vocabulary;
 pub mod words;
 
 pub use pneuflex_calibration as calibration;

@@ -22,6 +22,7 @@
 //! Garcea 2017, *Comput. Methods Appl. Mech. Engrg.* 313; theory §11). At a solution the two agree, so the tangent is
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
+mod admissibility;
 mod dilatation;
 mod element;
 
@@ -157,6 +158,10 @@ impl Contribution for Solid {
 
     fn mixed(&mut self) -> Option<&mut dyn Mixed> {
         Some(self)
+    }
+
+    fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
+        self.check_orientation(displacement)
     }
 }
 

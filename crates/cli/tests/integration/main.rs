@@ -20,5 +20,6 @@ mod models;
 mod obstacles;
 mod rod;
 mod runs;
+mod stops;
 mod support;
 mod view;

@@ -52,6 +52,7 @@ impl Path {
             // Small corrections of an unstable tangent lead away from the path.
             let is_stable = tangent.negative_pivots() == 0;
             if target == Target::OnTheWay && is_stable && self.is_small(&state, &correction) {
+                self.system.check_equilibrium(&state.displacement)?;
                 // The next guess comes from a tangent near the state, or from a new one.
                 let predictor = if choice == Choice::AtHand {
                     self.system.recycle(Some(tangent));
@@ -66,6 +67,7 @@ impl Path {
             if !policy.was_cautious() && criteria.may_be_met(&measures) {
                 let assembled = self.system.residual(&state)?;
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
+                    self.system.check_equilibrium(&state.displacement)?;
                     if !is_stable {
                         return Err(Cause::IndefiniteTangent { negative_pivots: tangent.negative_pivots() });
                     }
