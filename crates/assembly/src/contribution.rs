@@ -67,6 +67,11 @@ pub trait Contribution: Send + Sync {
         Ok(())
     }
 
+    /// Mean volumetric pressure of every element at a displacement, MPa, tension positive; empty if it has no elements.
+    fn element_tensions(&self, _displacement: &[[f64; 3]]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// What it keeps apart, if it is contact. Its blocks may have other nodes at other positions then.
     fn unilateral(&self) -> Option<&dyn Unilateral> {
         None

@@ -10,6 +10,7 @@ use crate::error::Misfit;
 use crate::history::Augmentation;
 use crate::linearisation::Linearisation;
 use crate::timing::Timing;
+use crate::unstable_motion::UnstableMotions;
 
 /// An accepted load step and the path's memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,7 +38,7 @@ pub struct Checkpoint {
     pub timing: Timing,
     /// How far the path is on its way to the next requested position.
     pub approach: Approach,
-    /// Largest stretching per load parameter at the beginning of the path.
+    /// Largest stretching per change of the forces at the beginning of the path, 1/N.
     pub first_rate: Option<f64>,
     /// Tangent whose factor predicts the next step.
     pub linearisation: Option<Linearisation>,
@@ -47,6 +48,12 @@ pub struct Checkpoint {
     /// How the contact's multipliers came about, if the state is a requested one.
     #[serde(default)]
     pub augmentation: Option<Augmentation>,
+    /// Motions of the mesh that release energy at the equilibrium.
+    #[serde(default)]
+    pub mesh_motions: Option<UnstableMotions>,
+    /// Whether every step up to the next requested position is solved to the tolerances.
+    #[serde(default)]
+    pub is_careful: bool,
 }
 
 /// The way to a requested position.

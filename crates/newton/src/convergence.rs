@@ -93,6 +93,17 @@ impl Criteria {
         })
     }
 
+    /// Whether there are loads at all; otherwise supports alone drive the body.
+    pub fn has_load(&self) -> bool {
+        self.load > f64::MIN_POSITIVE
+    }
+
+    /// What residuals are compared with where the supports' forces have a norm (N).
+    pub fn scale(&self, supports: f64) -> f64 {
+        let driven = if self.is_driven { supports } else { 0.0 };
+        self.load.max(driven).max(RESIDUAL_FLOOR)
+    }
+
     /// Whether a correction is small enough for the residual after it to be worth a look.
     pub fn may_be_met(&self, last: &Measures) -> bool {
         last.norm < self.tolerance || (last.residual <= self.rounding && last.norm < self.rounded_tolerance)

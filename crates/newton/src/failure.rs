@@ -7,6 +7,7 @@ use pneuflex_factor::{FactorError, gmres};
 use pneuflex_model::{Clock, LoadParameter};
 
 use crate::error::{AssembleError, ResumeError, SetupError};
+use crate::unstable_motion::UnstableMotions;
 
 /// Why a step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,6 +56,8 @@ pub enum Cause {
     IndefiniteTangent {
         /// Number of negative pivots.
         negative_pivots: usize,
+        /// The motions that release energy, if they were found.
+        motions: Option<UnstableMotions>,
     },
     /// The equations of the problem cannot be set up.
     #[error(transparent)]
@@ -132,9 +135,11 @@ impl std::error::Error for Failure {}
 /// How firm an equilibrium is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stability {
-    /// Largest stretching per load at any point, relative to the one at the beginning of the path. It grows without limit
-    /// towards a limit point, beyond which there is no equilibrium at a higher load nearby.
-    pub softening: f64,
+    /// Largest stretching at any point per change of the forces, relative to the one at the beginning of the path; `None` if it is not
+    /// known. It grows without limit towards a limit point, beyond which there is no equilibrium at a higher load nearby.
+    pub softening: Option<f64>,
     /// Negative eigenvalues of the tangent there: the number of motions that would release energy.
     pub negative_pivots: usize,
+    /// These motions, if they were found; where there are none, the one in which the body gives way to a small change of its loads.
+    pub motions: Option<UnstableMotions>,
 }

@@ -3,6 +3,8 @@
 use pneuflex_model::{LoadParameter, Pressure};
 use serde::{Deserialize, Serialize};
 
+use crate::unstable_motion::UnstableMotions;
+
 /// One Newton iteration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IterationRecord {
@@ -19,7 +21,7 @@ pub struct IterationRecord {
     pub correction: f64,
     /// Norm of the residual over the free degrees of freedom before the correction, N.
     pub residual: f64,
-    /// The same relative to the norm of the pressure forces.
+    /// The same relative to the norm of the loads, or of the supports' forces where supports or cavities drive the body.
     pub relative_residual: f64,
     /// Contact points that carry traction.
     pub contact_points: usize,
@@ -50,6 +52,8 @@ pub struct ConvergedState {
     pub contact_multipliers: Vec<f64>,
     /// How the contact's multipliers came about; `None` for a plain penalty.
     pub augmentation: Option<Augmentation>,
+    /// Motions of the mesh that release energy there, if there are any.
+    pub mesh_motions: Option<UnstableMotions>,
 }
 
 /// The contact of a state as an augmented Lagrangian left it.

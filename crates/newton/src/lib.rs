@@ -5,7 +5,8 @@
 //! * [`state`]: the unknowns, and an equilibrium; [`linearisation`]: what a tangent is made from.
 //! * [`tangent_solver`]: solutions with a tangent: its factor, `bordered` unknowns, an unsymmetric part.
 //! * [`rigid_motion`]: what nothing holds, before anything is solved.
-//! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is.
+//! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is;
+//!   [`unstable_motion`]: what it does if it is not.
 //! * [`rotation_update`]: how displacements follow a correction.
 //! * [`path`]: Newton's method at one load, the guess before it, the steps around it; `prescribed_motion`: supports that move.
 //! * [`augmentation`]: the contact's multipliers at the requested positions.
@@ -37,6 +38,7 @@ pub mod tangent_solver;
 mod testing;
 pub mod timing;
 mod unilateral;
+pub mod unstable_motion;
 
 pub use checkpoint::Checkpoint;
 pub use error::{AssembleError, ResumeError, SetupError};
@@ -49,3 +51,4 @@ pub use state::{Correction, Equilibrium, State};
 pub use system::System;
 pub use tangent_solver::{Assembled, Tangent};
 pub use timing::{PathReport, Timing};
+pub use unstable_motion::UnstableMotions;

@@ -266,7 +266,7 @@ impl LocalContribution for Rotation<'_> {
 }
 
 /// D = δF F⁻¹ = S + W.
-struct Rate {
+pub(crate) struct Rate {
     d: [[f64; 3]; 3],
     /// Axis of W times its angle.
     axis: [f64; 3],
@@ -274,13 +274,13 @@ struct Rate {
 
 impl Rate {
     /// Component of S.
-    fn stretching(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn stretching(&self, i: usize, j: usize) -> f64 {
         0.5 * (self.d[i][j] + self.d[j][i])
     }
 }
 
 /// D of a change of F; `None` if F is singular.
-fn rate(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<Rate> {
+pub(crate) fn rate(f: &[[f64; 3]; 3], delta_f: &[[f64; 3]; 3]) -> Option<Rate> {
     let det = pneuflex_mesh::mesh::determinant(f);
     if !(det.abs() > 1e-12 && det.is_finite()) {
         return None;

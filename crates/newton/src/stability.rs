@@ -2,16 +2,22 @@
 //! it gives way.
 
 use pneuflex_assembly::LocalError;
+use pneuflex_factor::FactorError;
 
 use crate::error::AssembleError;
 use crate::prescribed_motion::PrescribedMotion;
-use crate::state::State;
+use crate::state::{Correction, State, difference};
 use crate::system::System;
+use crate::tangent_solver::Tangent;
 
 /// Change of the load parameter that the softening is measured with, relative to the parameter.
 const CHANGE: f64 = 1e-3;
 
-/// Largest stretching per load parameter at an equilibrium, from the exact tangent there.
+/// Stretching below this is rounding: nothing is said of it.
+const NO_STRETCH: f64 = 1e-12;
+
+/// Largest stretching per change of the forces at an equilibrium, 1/N, from the exact tangent there, with the motion in
+/// which it gives way (mm, one entry per node); `None` where the loads do not change.
 ///
 /// # Errors
 /// A singular tangent: as unstable as can be told.
@@ -20,16 +26,38 @@ pub(crate) fn stretching_rate(
     state: &State,
     motion: &PrescribedMotion,
     least_change: f64,
-) -> Result<f64, AssembleError> {
+) -> Result<Option<(f64, Vec<[f64; 3]>)>, AssembleError> {
     let change = (CHANGE * state.parameter.0).max(least_change);
     system.predict(&state.displacement, None);
-    let (_, tangent) = system.tangent(state)?;
+    let (left, tangent) = system.tangent(state)?;
     let next = state.moved_to(state.parameter + change);
-    let assembled = system.residual(&next)?;
+    let mut assembled = system.residual(&next)?;
+    // Only what is new: the state may be an inexact one.
+    assembled.residual = difference(&assembled.residual, &left.residual);
+    for (equation, left) in assembled.equations.iter_mut().zip(&left.equations) {
+        equation.value -= left.value;
+    }
     let correction = system.solve(&tangent, &assembled, motion.change(&next).as_deref())?;
-    let rate = system.extent(&state.displacement, &correction.displacement).stretch / change;
+    let rate = compliance(system, &tangent, state, &correction)?;
     system.recycle(Some(tangent));
-    Ok(rate)
+    Ok(rate.map(|rate| (rate, correction.displacement)))
+}
+
+/// Largest stretching by a correction per norm of the forces on the free degrees of freedom that bring it about, 1/N. These forces are those
+/// of loads, of supports that move and of air that is pumped in alike, and do not depend on what the load parameter counts. `None` if the
+/// correction deforms nothing.
+///
+/// # Errors
+/// A correction of another problem.
+pub(crate) fn compliance(
+    system: &mut System,
+    tangent: &Tangent,
+    state: &State,
+    correction: &Correction,
+) -> Result<Option<f64>, FactorError> {
+    let stretch = system.extent(&state.displacement, &correction.displacement).stretch;
+    let force = system.free_norm(&tangent.forces_of_free(correction)?);
+    Ok((stretch > NO_STRETCH && force > 0.0).then(|| stretch / force))
 }
 
 impl System {
@@ -39,5 +67,10 @@ impl System {
     /// An element that is turned inside out where the equations did not notice.
     pub fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
         self.contributions.iter().try_for_each(|contribution| contribution.check_equilibrium(displacement))
+    }
+
+    /// Mean volumetric pressure of every element at a displacement, MPa, tension positive.
+    pub(crate) fn element_tensions(&self, displacement: &[[f64; 3]]) -> Vec<f64> {
+        self.contributions.iter().flat_map(|contribution| contribution.element_tensions(displacement)).collect()
     }
 }

@@ -3,6 +3,8 @@
 use pneuflex_assembly::Position;
 use pneuflex_model::LoadParameter;
 
+use crate::unstable_motion::UnstableMotions;
+
 /// All unknowns at a position on the load path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -70,6 +72,8 @@ pub struct Equilibrium {
     pub contact_points: usize,
     /// Solved well enough to go on from (inexact Newton), not to the tolerances asked for.
     pub is_inexact: bool,
+    /// Motions of the mesh that release energy there, in spite of which the path goes on.
+    pub mesh_motions: Option<UnstableMotions>,
 }
 
 /// b − a of nodal fields.

@@ -203,6 +203,16 @@ impl Tangent {
         Ok(rhs)
     }
 
+    /// K δu over the free degrees of freedom of a correction, without what supports that move add to it, N, one entry per node.
+    ///
+    /// # Errors
+    /// If the correction is that of another problem.
+    pub(crate) fn forces_of_free(&self, correction: &Correction) -> Result<Vec<[f64; 3]>, FactorError> {
+        let free = correction.displacement.as_flattened().iter().zip(self.held.iter());
+        let free: Vec<f64> = free.map(|(x, held)| if *held { 0.0 } else { *x }).collect();
+        Ok(self.product(&free)?.as_chunks().0.to_vec())
+    }
+
     /// Multipliers λ = −(r + K δu + B δy) of the held degrees of freedom after a correction; zero at free ones.
     ///
     /// # Errors

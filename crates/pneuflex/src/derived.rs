@@ -7,6 +7,7 @@ use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{self, Described, ProbeSite, State};
 
 use crate::error::ResultsError;
+use crate::reason::mesh_motions;
 
 /// Everything that is derived from an equilibrium.
 ///
@@ -18,7 +19,10 @@ pub fn describe(
     equilibrium: &ConvergedState,
 ) -> Result<Described, ResultsError> {
     let state = as_described(equilibrium);
-    summary::describe(problem, sites, &state).map_err(|source| failed(problem, equilibrium, source))
+    let described = summary::describe(problem, sites, &state);
+    let mut described = described.map_err(|source| failed(problem, equilibrium, source))?;
+    described.summary.mesh_instability = equilibrium.mesh_motions.as_ref().map(mesh_motions);
+    Ok(described)
 }
 
 /// The texts of the field files: the body, and the contact walls if there are any.

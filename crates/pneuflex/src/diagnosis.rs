@@ -1,43 +1,11 @@
-//! Why a run ended, and what to be careful about, in the words of somebody who designs actuators.
+//! What to be careful about in results, in the words of somebody who designs actuators.
 
-use pneuflex_model::{Case, Clock, ContactMethod, Problem, Resolution};
-use pneuflex_newton::{Cause, Failure};
-use pneuflex_post::stress::recover;
+use pneuflex_model::{Case, Clock, ContactMethod, Resolution};
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.1;
-
-/// A body that somewhere stretches this much more per pressure than at rest is at a limit point.
-const LIMIT_POINT: f64 = 10.0;
-
-/// Why a run ended early.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Reason {
-    /// Short name.
-    pub kind: ReasonKind,
-    /// Whether the reason lies in the design, and not in how it was computed.
-    pub is_physical: bool,
-    /// What happened.
-    pub message: String,
-    /// What to try.
-    pub advice: String,
-}
-
-/// Kinds of reasons; their names are part of `summary.json`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ReasonKind {
-    /// The material is stretched beyond where its constants have stiffness left.
-    MaterialLimit,
-    /// The equilibrium becomes unstable: buckling, ballooning, snap-through.
-    Instability,
-    /// Contact does not settle: walls touch and part in turn.
-    WallsCross,
-    /// Newton's method does not converge for a reason that was not found.
-    NotConverged,
-}
 
 /// Something to be careful about in results that were reached.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,77 +36,8 @@ pub enum WarningKind {
     Overlap,
     /// The mesh is too coarse to rely on the numbers.
     CoarseMesh,
-}
-
-/// Why a path ended, from its failure and the displacements (mm, three per node) of the last equilibrium; `None` for one that was
-/// interrupted.
-pub fn explain(problem: &Problem, failure: &Failure, displacement: &[[f64; 3]]) -> Option<Reason> {
-    let Failure { cause, stability, .. } = failure;
-    let reached = failure.clock.words(failure.reached);
-    if *cause == Cause::Interrupted {
-        return None;
-    }
-    let is_chatter = matches!(cause, Cause::ContactChatter { .. });
-    if let Some(message) = material_gives_way(problem, displacement).filter(|_| !is_chatter) {
-        return Some(Reason {
-            kind: ReasonKind::MaterialLimit,
-            is_physical: true,
-            message: format!("at {reached} {message}"),
-            advice: "stay below this pressure, make the walls thicker, or use constants that were fitted to larger stretches \
-                     (`pneuflex fit` prints the range in which a set is stable)"
-                .into(),
-        });
-    }
-    let is_limit = stability.softening > LIMIT_POINT || stability.negative_pivots > 0;
-    if is_limit || matches!(cause, Cause::IndefiniteTangent { .. }) {
-        let motion = if stability.negative_pivots > 0 {
-            "small disturbances make it buckle or snap".to_owned()
-        } else {
-            format!("some part stretches {:.0} times as much per kPa as at rest", stability.softening)
-        };
-        return Some(Reason {
-            kind: ReasonKind::Instability,
-            is_physical: true,
-            message: format!(
-                "the equilibrium becomes unstable at {reached}: {motion}, and no equilibrium at a higher pressure is near"
-            ),
-            advice: "stay below this pressure, or make the walls that bulge thicker or shorter; the shape at the last pressure shows \
-                     which"
-                .into(),
-        });
-    }
-    if is_chatter {
-        return Some(Reason {
-            kind: ReasonKind::WallsCross,
-            is_physical: false,
-            message: format!("the contact between chambers does not settle beyond {reached}: {cause}"),
-            advice: "try a finer mesh (mesh.resolution), or half or twice the contact.stiffness".into(),
-        });
-    }
-    Some(Reason {
-        kind: ReasonKind::NotConverged,
-        is_physical: false,
-        message: format!("Newton's method finds no equilibrium beyond {reached}, and it is not clear why: {cause}"),
-        advice: "try smaller steps (solver.max_step_kpa, solver.min_step_kpa), another mesh.resolution, or a lower \
-                 material.bulk_modulus"
-            .into(),
-    })
-}
-
-/// Where the material has no stiffness left, in words.
-fn material_gives_way(problem: &Problem, displacement: &[[f64; 3]]) -> Option<String> {
-    let stress = recover(problem, displacement).ok()?;
-    let beyond = stress.beyond_limit(problem);
-    let (element, point, limit) =
-        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
-    let [x, y, z] = point.position;
-    Some(format!(
-        "the material gives way: in element {} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and beyond {limit:.2} \
-         these constants have no stiffness left ({} integration points)",
-        element,
-        point.invariant_minus_3,
-        beyond.len()
-    ))
+    /// Elements are unstable where a finer mesh is not.
+    MeshInstability,
 }
 
 /// What to be careful about in results; `case` is that of an actuator.
@@ -154,6 +53,11 @@ pub fn warnings(clock: Clock, case: Option<&Case>, steps: &[StepSummary]) -> Vec
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
         add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
+    }
+    if let (Some(first), _) = first_and_last(steps, |step| step.mesh_instability.is_some()) {
+        let message = format!("at {} {}", when(first), first.mesh_instability.clone().unwrap_or_default());
+        let advice = "use quadratic elements or a finer mesh before relying on what lies beyond";
+        add(WarningKind::MeshInstability, Some(first), message, advice);
     }
     let Some(case) = case else { return found };
     let thinnest = case.actuator.thinnest_wall();
@@ -213,40 +117,9 @@ fn first_and_last(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneuflex_model::LoadParameter;
-    use pneuflex_newton::Stability;
 
     fn case(change: &str) -> Case {
         toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", change)).unwrap()
-    }
-
-    fn problem() -> Problem {
-        Problem::from_case(&case("size = 2.0\nelement = \"hex8-q1p0\"")).unwrap()
-    }
-
-    fn failure(cause: Cause, softening: f64) -> Failure {
-        let stability = Stability { softening, negative_pivots: 0 };
-        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure }
-    }
-
-    #[test]
-    fn reasons_follow_from_the_state() {
-        let problem = problem();
-        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
-        let diverged = Cause::Diverged { correction: 1.0 };
-        let kind = |failure: &Failure, u: &[[f64; 3]]| explain(&problem, failure, u).map(|reason| reason.kind);
-        assert_eq!(kind(&failure(Cause::Interrupted, 1.0), &rest), None);
-        assert_eq!(kind(&failure(diverged.clone(), 1.5), &rest), Some(ReasonKind::NotConverged));
-        assert_eq!(kind(&failure(diverged.clone(), 30.0), &rest), Some(ReasonKind::Instability));
-        let indefinite = Cause::IndefiniteTangent { negative_pivots: 1 };
-        assert_eq!(kind(&failure(indefinite, 1.0), &rest), Some(ReasonKind::Instability));
-        let chatter = Cause::ContactChatter { least: 1, most: 9 };
-        assert_eq!(kind(&failure(chatter, 1.0), &rest), Some(ReasonKind::WallsCross));
-        // Plane stretch to 8 is beyond the paper's limit of 54.83.
-        let stretched: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|x| [7.0 * x[0], 0.0, -0.875 * x[2]]).collect();
-        let reason = explain(&problem, &failure(diverged, 1.0), &stretched).unwrap();
-        assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MaterialLimit, true));
-        assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use pneuflex_newton::{Cause, Failure};
 use pneuflex_post::PostError;
 
-use crate::diagnosis::Reason;
 use crate::input_error::InputError;
+use crate::reason::Reason;
 use crate::solution::Solution;
 
 /// What can go wrong between a file and its results.

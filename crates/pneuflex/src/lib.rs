@@ -108,7 +108,7 @@
 //! |---|---|
 //! | [`study`], [`body`], [`analysis`] | what is to be solved: from files, from memory, built |
 //! | [`run`], [`observer`] | following the path |
-//! | [`error`], [`input_error`], [`diagnosis`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
+//! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`folder`], [`recorder`], [`checkpoint_file`], [`report_page`] | result folders |
 //! | [`convergence`] | sequences of meshes |
@@ -131,6 +131,7 @@ pub mod json;
 pub mod memory;
 pub mod observer;
 pub mod overview;
+pub mod reason;
 mod recorded_mesh;
 pub mod recorder;
 pub mod report_page;

@@ -7,8 +7,8 @@ use pneuflex_model::LoadParameter;
 use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, PathReport};
 use pneuflex_post::summary::{Described, StepSummary};
 
-use crate::diagnosis::Reason;
 use crate::error::ResultsError;
+use crate::reason::Reason;
 
 /// What happens while a path is followed.
 #[derive(Clone, Debug)]

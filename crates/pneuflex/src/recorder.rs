@@ -14,12 +14,13 @@ use serde::Serialize;
 use crate::analysis::Analysis;
 use crate::checkpoint_file::{self, Recorded};
 use crate::derived;
-use crate::diagnosis::{Reason, Warning};
+use crate::diagnosis::Warning;
 use crate::error::{ResultsError, end_in_words};
 use crate::files::{Files, INCLUDED, INPUT, included_name};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
 use crate::observer::{End, Event, Observer, ReachedState};
+use crate::reason::Reason;
 
 /// File of the iterations, one a line.
 const HISTORY: &str = "history.jsonl";

@@ -13,10 +13,10 @@ use pneuflex_post::summary::{ProbeSite, probe_sites};
 use crate::analysis::Analysis;
 use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
-use crate::diagnosis::explain;
 use crate::error::{Error, ResultsError, Unfinished};
 use crate::folder::OutputFolder;
 use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
+use crate::reason::explain;
 use crate::recorder::Recorder;
 use crate::solution::Solution;
 
@@ -276,7 +276,8 @@ impl Audience<'_> {
             Ok(report) => (report, None),
             Err(ended) => (ended.1, Some(ended.0)),
         };
-        let explained = |failure| explain(&self.analysis.problem, failure, &self.last_equilibrium);
+        let explained =
+            |failure| explain(&self.analysis.problem, self.analysis.vocabulary(), failure, &self.last_equilibrium);
         let reason = failure.as_ref().and_then(explained);
         let (failed, explained) = (failure.as_ref(), reason.as_ref());
         let mut error = self.error.take();

@@ -87,6 +87,15 @@ impl Vocabulary {
         }
     }
 
+    /// How elements are chosen that see every change of volume.
+    pub fn other_elements(self) -> &'static str {
+        match self {
+            Self::CaseFile | Self::ActuatorModel => "mesh.element = \"hex20\"",
+            Self::DeckModel | Self::Deck => "C3D20 elements",
+            Self::MeshModel | Self::Program => "bricks of 20 nodes",
+        }
+    }
+
     /// How contact is made softer or stiffer.
     pub fn contact_stiffness(self, problem: &Problem) -> &'static str {
         let has_pairs = problem.contact_pairs.iter().any(|pair| !pair.slave.is_empty());

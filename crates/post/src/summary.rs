@@ -80,6 +80,9 @@ pub struct StepSummary {
     /// What to be careful about; left out if there is nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// Motions by which the mesh, and not the body, is unstable; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_instability: Option<String>,
 }
 
 impl StepSummary {
@@ -231,6 +234,7 @@ pub fn describe(
         strain_energy_mj: stress.strain_energy,
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),
+        mesh_instability: None,
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })

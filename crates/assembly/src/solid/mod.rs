@@ -160,6 +160,10 @@ impl Contribution for Solid {
         Some(self)
     }
 
+    fn element_tensions(&self, displacement: &[[f64; 3]]) -> Vec<f64> {
+        self.element_pressures(displacement, None).into_iter().step_by(self.reference.num_modes).collect()
+    }
+
     fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
         self.check_orientation(displacement)
     }

@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use pneuflex_factor::Parallelism;
+use pneuflex_mesh::Mesh;
 use pneuflex_model::{Clock, LoadParameter, Problem, Solver};
 
 use crate::checkpoint::{Approach, Checkpoint};
@@ -27,15 +28,21 @@ use crate::state::{Equilibrium, State};
 use crate::system::System;
 use crate::tangent_solver::Tangent;
 use crate::timing::{PathReport, Timing};
+use crate::unstable_motion::UnstableMotions;
 
 /// Follows equilibria of one problem from rest. It owns everything it needs, and may be sent to another thread.
 pub struct Path {
+    mesh: Arc<Mesh>,
     system: System,
     settings: Solver,
     tuning: Tuning,
     scales: Scales,
     begin: Instant,
     equilibrium: Equilibrium,
+    /// The one before it, as long as it is not known whether an inexact one is an equilibrium at all.
+    previous: Option<Equilibrium>,
+    /// Whether every step up to the next requested position is solved to the tolerances, as an inexact one has led astray.
+    is_careful: bool,
     /// Tangent near the present equilibrium, which predicts the next one.
     predictor: Option<Tangent>,
     step: usize,
@@ -46,7 +53,7 @@ pub struct Path {
     motion: PrescribedMotion,
     pressures: CavityPressures,
     clock: Clock,
-    /// Largest stretching per load parameter at the beginning.
+    /// Largest stretching per change of the forces at the beginning, 1/N.
     first_rate: Option<f64>,
     /// Seconds spent before this path was resumed.
     spent: Timing,
@@ -86,7 +93,16 @@ impl Path {
         let tuning = Tuning::default();
         Ok(Self {
             scales: Scales::of(problem, &tuning),
-            equilibrium: Equilibrium { state, multipliers: vec![0.0; 3 * n], contact_points: 0, is_inexact: false },
+            equilibrium: Equilibrium {
+                state,
+                multipliers: vec![0.0; 3 * n],
+                contact_points: 0,
+                is_inexact: false,
+                mesh_motions: None,
+            },
+            previous: None,
+            is_careful: false,
+            mesh: Arc::clone(&problem.mesh),
             system,
             settings: settings.clone(),
             tuning,
@@ -118,13 +134,16 @@ impl Path {
         if let Some(linearisation) = &checkpoint.linearisation {
             self.predictor = Some(self.system.restore(linearisation)?);
         }
-        let Checkpoint { parameter, displacement, bordered, multipliers, contact_points, is_inexact, .. } = checkpoint;
+        let Checkpoint {
+            parameter, displacement, bordered, multipliers, contact_points, is_inexact, mesh_motions, ..
+        } = checkpoint;
         let state = State::new(parameter, displacement, bordered);
-        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact };
+        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions };
         self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
         self.first_rate = checkpoint.first_rate;
+        self.is_careful = checkpoint.is_careful;
         self.spent = checkpoint.timing;
         Ok(())
     }
@@ -221,7 +240,9 @@ impl Path {
     /// An attempt becomes the present equilibrium.
     pub(crate) fn adopt(&mut self, converged: Converged) {
         self.forget_predictor();
-        self.equilibrium = converged.equilibrium;
+        let before = std::mem::replace(&mut self.equilibrium, converged.equilibrium);
+        // Beyond a limit point there are states that are good enough to go on from, but no equilibria.
+        self.previous = self.equilibrium.is_inexact.then_some(before);
         self.predictor = converged.predictor;
         self.system.commit();
     }
@@ -237,25 +258,44 @@ impl Path {
             return;
         }
         match self.solve_again(None, observer) {
-            Ok(converged) => {
-                self.adopt(converged);
-                self.forget_predictor();
-                let Self { system, equilibrium, motion, settings, .. } = self;
-                let rate = stability::stretching_rate(system, &equilibrium.state, motion, settings.min_step);
-                let softening = match (rate, self.first_rate) {
-                    (Ok(rate), Some(first)) => rate / first,
-                    (Ok(_), None) => 1.0,
-                    // An equilibrium whose tangent is singular is as unstable as can be told.
-                    (Err(AssembleError::Factor(_)), _) => f64::INFINITY,
-                    // Nothing is known.
-                    (Err(_), _) => 0.0,
-                };
-                self.stability = Stability { softening, negative_pivots: 0 };
+            Ok(converged) => self.adopt(converged),
+            Err(Cause::IndefiniteTangent { negative_pivots, motions }) => {
+                self.stability = Stability { negative_pivots, motions, ..self.stability };
+                return;
             }
-            Err(Cause::IndefiniteTangent { negative_pivots }) => self.stability.negative_pivots = negative_pivots,
-            // Nothing new is known.
-            Err(_) => {}
+            Err(Cause::Interrupted) => return,
+            // The tangent of what is there has to do, if there is nothing before it.
+            Err(_) => {
+                self.system.revert();
+                if self.go_back(observer) {
+                    return;
+                }
+            }
         }
+        self.forget_predictor();
+        let Self { system, mesh, equilibrium, motion, settings, .. } = self;
+        let state = &equilibrium.state;
+        self.stability = match (stability::stretching_rate(system, state, motion, settings.min_step), self.first_rate) {
+            (Ok(Some((rate, response))), Some(first)) => Stability {
+                softening: Some(rate / first),
+                motions: UnstableMotions::of_response(system, mesh, &state.displacement, response),
+                negative_pivots: 0,
+            },
+            // An equilibrium whose tangent is singular is as unstable as can be told.
+            (Err(AssembleError::Factor(_)), _) => Stability { softening: Some(f64::INFINITY), ..Stability::default() },
+            // Nothing is known.
+            (Ok(_) | Err(_), _) => Stability::default(),
+        };
+    }
+
+    /// Goes back to the equilibrium before an inexact state that turned out to be none, and says whether there is one.
+    fn go_back(&mut self, observer: Observer<'_>) -> bool {
+        let Some(previous) = self.previous.take() else { return false };
+        self.equilibrium = previous;
+        self.is_careful = true;
+        self.augmentation = None;
+        self.confirm(observer);
+        true
     }
 
     fn failure(&self, attempted: LoadParameter, cause: Cause) -> Failure {
@@ -264,7 +304,7 @@ impl Path {
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let Equilibrium { state, multipliers, contact_points, is_inexact } = self.equilibrium.clone();
+        let Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions } = self.equilibrium.clone();
         Checkpoint {
             parameter: state.parameter,
             displacement: state.displacement,
@@ -280,12 +320,14 @@ impl Path {
             linearisation: self.predictor.as_ref().map(|tangent| tangent.linearisation().clone()),
             contact_multipliers: self.system.contact_multipliers(),
             augmentation: self.augmentation.clone(),
+            mesh_motions,
+            is_careful: self.is_careful,
         }
     }
 
     /// The present equilibrium as data.
     fn describe(&self, iterations: usize, load_steps: usize) -> ConvergedState {
-        let Equilibrium { state, multipliers, contact_points, .. } = &self.equilibrium;
+        let Equilibrium { state, multipliers, contact_points, mesh_motions, .. } = &self.equilibrium;
         ConvergedState {
             parameter: state.parameter,
             displacement: state.displacement.clone(),
@@ -296,6 +338,7 @@ impl Path {
             cavity_pressures: self.pressures.at(state),
             contact_multipliers: self.system.contact_multipliers(),
             augmentation: self.augmentation.clone(),
+            mesh_motions: *mesh_motions,
         }
     }
 

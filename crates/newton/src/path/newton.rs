@@ -9,6 +9,10 @@ use crate::history::IterationRecord;
 use crate::prescribed_motion::is_felt;
 use crate::state::{Correction, Equilibrium, State, difference};
 use crate::tangent_solver::{Assembled, Tangent};
+use crate::unstable_motion::UnstableMotions;
+
+/// Largest step to the first state with unstable motions of the mesh, relative to the load parameter there.
+const FIRST_UNSTABLE_STEP: f64 = 0.05;
 
 impl Path {
     /// Newton's method from a guess; `held` are the displacements wanted at held degrees of freedom (mm, one entry per node), if they are
@@ -34,7 +38,8 @@ impl Path {
             let updated = self.system.multipliers(&tangent, &assembled, &correction)?;
             let measures = self.measure(&assembled, &correction, [&updated, &multipliers]);
             multipliers = updated;
-            observer(Event::Iteration(&self.record(&policy, &state, &tangent, &measures, criteria.load)));
+            let scale = criteria.scale(self.system.held_norm(&assembled.residual));
+            observer(Event::Iteration(&self.record(&policy, &state, &tangent, &measures, scale)));
             let extent = || self.system.extent(&state.displacement, &correction.displacement);
             match policy.judge(measures, prescribed.is_some(), extent) {
                 Verdict::Reject(cause) => {
@@ -61,19 +66,23 @@ impl Path {
                     Some(tangent)
                 };
                 let contact_points = assembled.contact_points;
-                let equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact: true };
+                let equilibrium =
+                    Equilibrium { state, multipliers, contact_points, is_inexact: true, mesh_motions: None };
                 return Ok(Converged { equilibrium, predictor, iterations: policy.iteration() });
             }
             if !policy.was_cautious() && criteria.may_be_met(&measures) {
                 let assembled = self.system.residual(&state)?;
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
-                    if !is_stable {
-                        return Err(Cause::IndefiniteTangent { negative_pivots: tangent.negative_pivots() });
-                    }
+                    let mesh_motions = if is_stable {
+                        None
+                    } else {
+                        Some(self.judge_instability(&tangent, &assembled, &state, &criteria)?)
+                    };
                     // Reactions of the final state, not of its linearisation.
                     let (multipliers, contact_points) = (self.held_forces(&assembled), assembled.contact_points);
-                    let equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact: false };
+                    let equilibrium =
+                        Equilibrium { state, multipliers, contact_points, is_inexact: false, mesh_motions };
                     return Ok(Converged { equilibrium, predictor: Some(tangent), iterations: policy.iteration() });
                 }
             }
@@ -81,6 +90,28 @@ impl Path {
         }
         self.system.recycle(at_hand);
         Err(policy.exhausted(self.node_with_largest(&left)))
+    }
+
+    /// Motions of the mesh that release energy at a state which solves the equations. The path goes on through them where supports alone
+    /// drive the body: its shape is then given, and not the force by which something would snap.
+    ///
+    /// # Errors
+    /// [`Cause::IndefiniteTangent`] for an instability of the body.
+    fn judge_instability(
+        &mut self,
+        tangent: &Tangent,
+        assembled: &Assembled,
+        state: &State,
+        criteria: &Criteria,
+    ) -> Result<UnstableMotions, Cause> {
+        let Self { system, mesh, .. } = self;
+        let motions = UnstableMotions::find(system, mesh, tangent, assembled, &state.displacement)?;
+        let before = &self.equilibrium;
+        let step = state.parameter - before.state.parameter;
+        // The first of these states is to be the next one on the path, and not one of another branch.
+        let is_next = before.mesh_motions.is_some() || step <= FIRST_UNSTABLE_STEP * state.parameter.0;
+        let goes_on = motions.filter(|motions| is_next && !criteria.has_load() && motions.are_of_the_mesh());
+        goes_on.ok_or(Cause::IndefiniteTangent { negative_pivots: tangent.negative_pivots(), motions })
     }
 
     /// Assembles at a state, and gives the tangent that the next correction comes from.
@@ -121,7 +152,7 @@ impl Path {
         state: &State,
         tangent: &Tangent,
         measures: &Measures,
-        load: f64,
+        scale: f64,
     ) -> IterationRecord {
         IterationRecord {
             step: self.step,
@@ -130,7 +161,7 @@ impl Path {
             parameter: state.parameter,
             correction: measures.norm,
             residual: measures.residual,
-            relative_residual: measures.residual / load,
+            relative_residual: measures.residual / scale,
             contact_points: measures.contact_points,
             negative_pivots: tangent.negative_pivots(),
             elapsed_s: self.spent.total_s + self.begin.elapsed().as_secs_f64(),

@@ -5,6 +5,7 @@ use pneuflex_model::LoadParameter;
 use super::{Converged, Path, Target};
 use crate::event::{Event, Observer};
 use crate::failure::Cause;
+use crate::stability;
 use crate::state::{Correction, State};
 
 impl Path {
@@ -20,12 +21,12 @@ impl Path {
         self.check_stop()?;
         let start = self.equilibrium.state.clone();
         let (correction, iterations) = self.guess(&start, *aim)?;
-        let (mut state, share) = self.shortened(&start, &correction, *aim)?;
+        let (mut state, share) = self.shortened(&start, &correction)?;
         if share < 1.0 {
             *aim = start.parameter + share * (*aim - start.parameter);
         }
         state.parameter = *aim;
-        let target = if *aim == requested { Target::Requested } else { Target::OnTheWay };
+        let target = if *aim == requested || self.is_careful { Target::Requested } else { Target::OnTheWay };
         observer(Event::StepStarted { step: self.step, parameter: *aim });
         let held = self.motion.target(*aim);
         let mut converged = self.newton(state, held.as_deref(), target, observer)?;
@@ -51,21 +52,18 @@ impl Path {
         let assembled = self.system.residual(&loaded)?;
         let change = self.motion.change(&loaded);
         let correction = self.system.solve(&tangent, &assembled, change.as_deref())?;
+        if self.first_rate.is_none() {
+            self.first_rate = stability::compliance(&mut self.system, &tangent, start, &correction)?;
+        }
         self.system.recycle(Some(tangent));
         Ok((correction, iterations))
     }
 
     /// The state after as much of a guess as is safe, and its share.
-    fn shortened(
-        &mut self,
-        start: &State,
-        correction: &Correction,
-        wanted: LoadParameter,
-    ) -> Result<(State, f64), Cause> {
+    fn shortened(&mut self, start: &State, correction: &Correction) -> Result<(State, f64), Cause> {
         let tuning = self.tuning.clone();
         let allowed = self.system.deepest_penetration(&start.displacement).max(tuning.guess_penetration);
         let extent = self.system.extent(&start.displacement, &correction.displacement);
-        self.first_rate.get_or_insert(extent.stretch / (wanted - start.parameter));
         let mut share = (tuning.guess.stretch / extent.stretch).min(tuning.guess.angle / extent.angle).min(1.0);
         let shortest = tuning.shortest * share;
         loop {

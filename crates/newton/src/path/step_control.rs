@@ -71,6 +71,7 @@ impl Path {
         }
         self.adopt(converged);
         self.augmentation = None;
+        self.is_careful &= attempt.attempted != requested;
         if let Some(tolerance) = self.penetration_tolerance.filter(|_| attempt.attempted == requested) {
             self.augment(tolerance, observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
         }

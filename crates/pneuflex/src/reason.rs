@@ -1,0 +1,416 @@
+//! Why a run ended early, in the words of somebody who designs actuators, and what helps.
+
+use pneuflex_model::load::Load;
+use pneuflex_model::{Control, LoadParameter, Problem};
+use pneuflex_newton::{Cause, Failure, UnstableMotions, loose_parts};
+use pneuflex_post::stress::recover;
+use serde::Serialize;
+
+use crate::holding;
+use crate::vocabulary::Vocabulary;
+
+/// A body that somewhere stretches this much more per change of the load than at the beginning is at a limit point.
+const LIMIT_POINT: f64 = 10.0;
+
+/// Why a run ended early.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reason {
+    /// Short name.
+    pub kind: ReasonKind,
+    /// Whether the reason lies in the design, and not in how it was computed.
+    pub is_physical: bool,
+    /// What happened.
+    pub message: String,
+    /// What to try.
+    pub advice: String,
+}
+
+/// Kinds of reasons; their names are part of `summary.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReasonKind {
+    /// The material is stretched beyond where its constants have stiffness left.
+    MaterialLimit,
+    /// The equilibrium becomes unstable: buckling, ballooning, snap-through.
+    Instability,
+    /// The equilibrium becomes unstable by a motion that elements have, and a body has not.
+    MeshInstability,
+    /// An element turns inside out.
+    InvertedElement,
+    /// Only contact holds a part of the body, and it does not.
+    NotHeld,
+    /// Contact does not settle: walls touch and part in turn.
+    WallsCross,
+    /// Newton's method does not converge for a reason that was not found.
+    NotConverged,
+}
+
+/// Why a path ended, from its failure and the displacements (mm, three per node) of the last equilibrium, with advice in terms of the file
+/// that it was written in; `None` for one that was interrupted.
+pub fn explain(
+    problem: &Problem,
+    vocabulary: Vocabulary,
+    failure: &Failure,
+    displacement: &[[f64; 3]],
+) -> Option<Reason> {
+    let end = End { problem, vocabulary, failure, displacement };
+    match failure.cause {
+        Cause::Interrupted => None,
+        // What is wrong with the equations is all there is to say.
+        Cause::Setup(_) | Cause::Resume(_) | Cause::Contradiction => Some(end.not_solvable()),
+        _ => Some(
+            end.material_limit()
+                .or_else(|| end.not_held())
+                .or_else(|| end.unstable())
+                .or_else(|| end.limit_point())
+                .or_else(|| end.chatter())
+                .or_else(|| end.inverted())
+                .unwrap_or_else(|| end.unclear()),
+        ),
+    }
+}
+
+/// The end of a path, and what is looked at to explain it.
+struct End<'a> {
+    problem: &'a Problem,
+    vocabulary: Vocabulary,
+    failure: &'a Failure,
+    displacement: &'a [[f64; 3]],
+}
+
+impl End<'_> {
+    fn reached(&self) -> String {
+        self.failure.clock.words(self.failure.reached)
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.failure.reached <= LoadParameter::default()
+    }
+
+    fn is_chatter(&self) -> bool {
+        matches!(self.failure.cause, Cause::ContactChatter { .. })
+    }
+
+    /// Whether forces or air of a given pressure act, which may grow beyond what the body can bear; a body that only supports and pumps
+    /// drive has no greatest load.
+    fn is_loaded(&self) -> bool {
+        let is_blown = |control: &Control| !matches!(control, Control::Volume(_));
+        self.problem.cavities.iter().any(|cavity| is_blown(&cavity.control)) || !self.problem.loads.is_empty()
+    }
+
+    fn not_solvable(&self) -> Reason {
+        Reason {
+            kind: ReasonKind::NotConverged,
+            is_physical: false,
+            message: self.failure.cause.to_string(),
+            advice: "mend what the message names".into(),
+        }
+    }
+
+    /// The material has no stiffness left somewhere.
+    fn material_limit(&self) -> Option<Reason> {
+        if self.is_chatter() {
+            return None;
+        }
+        let stress = recover(self.problem, self.displacement).ok()?;
+        let beyond = stress.beyond_limit(self.problem);
+        let (element, point, limit) =
+            beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+        let [x, y, z] = point.position;
+        Some(Reason {
+            kind: ReasonKind::MaterialLimit,
+            is_physical: true,
+            message: format!(
+                "at {} the material gives way: in element {element} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and \
+                 beyond {limit:.2} these constants have no stiffness left ({} integration points)",
+                self.reached(),
+                point.invariant_minus_3,
+                beyond.len()
+            ),
+            advice: format!(
+                "stay below this {}, make the walls thicker, or use constants that were fitted to larger stretches (`pneuflex fit` prints \
+                 the range in which a set is stable)",
+                self.vocabulary.position()
+            ),
+        })
+    }
+
+    /// Nothing is solved yet, and a part is held by contact alone.
+    fn not_held(&self) -> Option<Reason> {
+        let parts = if self.is_at_rest() { loose_parts(self.problem) } else { Vec::new() };
+        (!parts.is_empty()).then(|| Reason {
+            kind: ReasonKind::NotHeld,
+            is_physical: false,
+            message: format!(
+                "no equilibrium is found from rest: {}; it does not hold it from the beginning",
+                holding::held_by_contact(self.problem, &parts)
+            ),
+            advice: format!("{}, or let the part touch what is to hold it from the beginning", self.vocabulary.hold()),
+        })
+    }
+
+    /// The tangent is indefinite at the last equilibrium, or at the one that was found after it.
+    fn unstable(&self) -> Option<Reason> {
+        let stability = &self.failure.stability;
+        let of_cause = match &self.failure.cause {
+            Cause::IndefiniteTangent { motions, .. } => Some(*motions),
+            _ => None,
+        };
+        let motions = match of_cause {
+            Some(motions) => motions.or(stability.motions),
+            None if stability.negative_pivots > 0 => stability.motions,
+            None => return None,
+        };
+        let at = self.reached();
+        Some(match motions {
+            Some(motions) if motions.are_of_the_mesh() => self.mesh_instability(&motions),
+            _ if self.is_at_rest() => Reason {
+                kind: ReasonKind::MeshInstability,
+                is_physical: false,
+                message: "the body is unstable as soon as it is loaded, which no material with stiffness is: its elements or its constants are"
+                    .into(),
+                advice: format!(
+                    "{}, or use the isochoric invariant, and look whether the material is stable at rest",
+                    self.better_mesh()
+                ),
+            },
+            motions => Reason {
+                kind: ReasonKind::Instability,
+                is_physical: true,
+                message: format!(
+                    "the equilibrium becomes unstable beyond {at}: small disturbances make it buckle or snap{}",
+                    motions.map_or(String::new(), |motions| format!(", most of all near {}", place(motions.place)))
+                ),
+                advice: format!(
+                    "stay below this {}, or make what buckles there thicker or shorter; the last shape shows it",
+                    self.vocabulary.position()
+                ),
+            },
+        })
+    }
+
+    fn mesh_instability(&self, motions: &UnstableMotions) -> Reason {
+        let advice = if motions.is_volumetric() {
+            format!("try {}, or the isochoric invariant", self.vocabulary.other_elements())
+        } else {
+            self.better_mesh()
+        };
+        Reason {
+            kind: ReasonKind::MeshInstability,
+            is_physical: false,
+            message: format!("the mesh becomes unstable beyond {}: {}", self.reached(), mesh_motions(motions)),
+            advice,
+        }
+    }
+
+    /// A small change of the load makes a large one of the shape.
+    fn limit_point(&self) -> Option<Reason> {
+        let softening = self.failure.stability.softening.filter(|softening| *softening > LIMIT_POINT)?;
+        if !self.is_loaded() {
+            return None;
+        }
+        if let Some(motions) = self.failure.stability.motions.filter(UnstableMotions::are_of_the_mesh) {
+            return Some(self.mesh_instability(&motions));
+        }
+        let much = if softening < 1e4 {
+            format!("{softening:.0} times as much as")
+        } else {
+            "beyond all measure against".into()
+        };
+        let is_blown = self.problem.cavities.iter().any(|cavity| matches!(cavity.control, Control::Pressure(_)))
+            || self.problem.loads.iter().any(|load| matches!(load, Load::Pressure { .. }));
+        let further = if is_blown { self.vocabulary.pump() } else { self.vocabulary.drive() };
+        let pressure = self.greatest_pressure().map_or(String::new(), |kpa| format!(" ({kpa:.4} kPa)"));
+        Some(Reason {
+            kind: ReasonKind::Instability,
+            is_physical: true,
+            message: format!(
+                "the load has reached its greatest value at {}{pressure}: a little more of it stretches some part {much} at the beginning, \
+                 and no equilibrium at a greater load is near",
+                self.reached()
+            ),
+            advice: format!(
+                "stay below this {}, make what stretches thicker, or, to see what comes after it, {further}",
+                self.vocabulary.position()
+            ),
+        })
+    }
+
+    /// The greatest pressure of the air where the path ended, kPa, if the load parameter is not one itself.
+    fn greatest_pressure(&self) -> Option<f64> {
+        if self.vocabulary == Vocabulary::CaseFile {
+            return None;
+        }
+        let of_cavities = self.problem.cavities.iter().filter_map(|cavity| match &cavity.control {
+            Control::Pressure(curve) => Some(curve),
+            Control::Volume(_) | Control::Gas(_) => None,
+        });
+        let of_faces = self.problem.loads.iter().filter_map(|load| match load {
+            Load::Pressure { curve, .. } => Some(curve),
+            _ => None,
+        });
+        let values =
+            of_cavities.chain(of_faces).map(|curve| curve.at(self.failure.reached) / pneuflex_model::MPA_PER_KPA);
+        values.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    fn chatter(&self) -> Option<Reason> {
+        self.is_chatter().then(|| Reason {
+            kind: ReasonKind::WallsCross,
+            is_physical: false,
+            message: format!("the contact does not settle beyond {}: {}", self.reached(), self.failure.cause),
+            advice: format!(
+                "try {}, or {}",
+                self.vocabulary.finer_mesh(),
+                self.vocabulary.contact_stiffness(self.problem)
+            ),
+        })
+    }
+
+    fn inverted(&self) -> Option<Reason> {
+        let Cause::Inversion { element, .. } = self.failure.cause else { return None };
+        let mesh = &self.problem.mesh;
+        let near = (element < mesh.num_elements()).then(|| {
+            let nodes = mesh.element(element);
+            let mean = |k: usize| nodes.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / nodes.len() as f64;
+            format!(" near {}", place([0, 1, 2].map(mean)))
+        });
+        Some(Reason {
+            kind: ReasonKind::InvertedElement,
+            is_physical: false,
+            message: format!(
+                "an element turns inside out beyond {}: element {element}{}; the mesh does not follow the body there",
+                self.reached(),
+                near.unwrap_or_default()
+            ),
+            advice: self.better_mesh(),
+        })
+    }
+
+    fn better_mesh(&self) -> String {
+        let (finer, better) = (self.vocabulary.finer_mesh(), self.vocabulary.better_elements());
+        if self.problem.formulation.name() == "hex27" {
+            return format!("try {finer}");
+        }
+        format!("try {better}, or {finer}")
+    }
+
+    fn unclear(&self) -> Reason {
+        let words = self.vocabulary;
+        Reason {
+            kind: ReasonKind::NotConverged,
+            is_physical: false,
+            message: format!(
+                "Newton's method finds no equilibrium beyond {}, and it is not clear why: {}",
+                self.reached(),
+                self.failure.cause
+            ),
+            advice: format!("try {}, {}, or {}", words.smaller_steps(), words.finer_mesh(), words.bulk_modulus()),
+        }
+    }
+}
+
+/// What unstable motions of the mesh are, in words.
+pub(crate) fn mesh_motions(motions: &UnstableMotions) -> String {
+    let why = if motions.is_volumetric() {
+        "changes of volume that the pressures of the elements do not see"
+    } else {
+        "which elements with straight edges have and a finer mesh has not"
+    };
+    format!(
+        "{} near {} would release energy: {why}",
+        match motions.count {
+            1 => "a motion of elements".to_owned(),
+            count => format!("{count} motions of elements"),
+        },
+        place(motions.place)
+    )
+}
+
+fn place([x, y, z]: [f64; 3]) -> String {
+    format!("({x:.1}, {y:.1}, {z:.1}) mm")
+}
+
+#[cfg(test)]
+mod tests {
+    use pneuflex_model::{Case, Clock};
+    use pneuflex_newton::Stability;
+
+    use super::*;
+
+    fn problem() -> Problem {
+        let mesh = "size = 2.0\nelement = \"hex8-q1p0\"";
+        let case: Case =
+            toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", mesh)).unwrap();
+        Problem::from_case(&case).unwrap()
+    }
+
+    fn failure(cause: Cause, softening: Option<f64>) -> Failure {
+        let stability = Stability { softening, ..Stability::default() };
+        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure }
+    }
+
+    #[test]
+    fn reasons_follow_from_the_state() {
+        let problem = problem();
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        let diverged = || Cause::Diverged { correction: 1.0 };
+        let reason = |failure: &Failure, u: &[[f64; 3]]| explain(&problem, Vocabulary::CaseFile, failure, u);
+        let kind = |failure: Failure| reason(&failure, &rest).map(|reason| (reason.kind, reason.is_physical));
+        assert_eq!(kind(failure(Cause::Interrupted, Some(1.0))), None);
+        assert_eq!(kind(failure(diverged(), Some(1.5))), Some((ReasonKind::NotConverged, false)));
+        // Nothing is known of its stability.
+        assert_eq!(kind(failure(diverged(), None)), Some((ReasonKind::NotConverged, false)));
+        assert_eq!(kind(failure(diverged(), Some(30.0))), Some((ReasonKind::Instability, true)));
+        let chatter = Cause::ContactChatter { least: 1, most: 9 };
+        assert_eq!(kind(failure(chatter, Some(1.0))), Some((ReasonKind::WallsCross, false)));
+        let inverted = Cause::Inversion { element: 3, point: 0, jacobian: -0.1 };
+        assert_eq!(kind(failure(inverted, Some(1.0))), Some((ReasonKind::InvertedElement, false)));
+        // Plane stretch to 8 is beyond the paper's limit of 54.83.
+        let stretched: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|x| [7.0 * x[0], 0.0, -0.875 * x[2]]).collect();
+        let reason = reason(&failure(diverged(), Some(1.0)), &stretched).unwrap();
+        assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MaterialLimit, true));
+        assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);
+    }
+
+    /// A body buckles, its mesh is unstable, and what is unstable without any load is no design at all.
+    #[test]
+    fn an_instability_is_one_of_the_body_or_of_the_mesh() {
+        let problem = problem();
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        let of_body = UnstableMotions {
+            count: 1,
+            element: 5,
+            place: [1.0, 2.0, 3.0],
+            num_elements: 40,
+            volumetric_share: 0.01,
+            varying_share: 0.3,
+            tension: -0.1,
+            is_linear: true,
+        };
+        let reason = |motions: Option<UnstableMotions>, reached: f64| {
+            let cause = Cause::IndefiniteTangent { negative_pivots: 1, motions };
+            let failure = Failure { reached: LoadParameter(reached), ..failure(cause, None) };
+            explain(&problem, Vocabulary::CaseFile, &failure, &rest).unwrap()
+        };
+        let buckles = reason(Some(of_body), 7.0);
+        assert_eq!((buckles.kind, buckles.is_physical), (ReasonKind::Instability, true));
+        assert!(
+            buckles.message.contains("(1.0, 2.0, 3.0)") && !buckles.message.contains("times"),
+            "{}",
+            buckles.message
+        );
+        assert_eq!(reason(None, 7.0).kind, ReasonKind::Instability);
+        for motions in [
+            UnstableMotions { num_elements: 2, ..of_body },
+            UnstableMotions { volumetric_share: 0.5, ..of_body },
+            UnstableMotions { tension: 0.1, ..of_body },
+        ] {
+            let reason = reason(Some(motions), 7.0);
+            assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MeshInstability, false), "{motions:?}");
+        }
+        let at_rest = reason(Some(of_body), 0.0);
+        assert_eq!((at_rest.kind, at_rest.is_physical), (ReasonKind::MeshInstability, false));
+        assert!(!at_rest.message.contains("0 kPa") && !at_rest.message.contains("times"), "{}", at_rest.message);
+    }
+}
