@@ -40,7 +40,8 @@ impl Vocabulary {
     /// How a part is held.
     pub fn hold(self) -> &'static str {
         match self {
-            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+            Self::CaseFile => "write the actuator into a model file, and add a [[support]]",
+            Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
                 "add a [[support]] with nodes = \"a set\" and axes = \"xyz\", or some of them"
             }
             Self::Deck => "add a *BOUNDARY before the first step: set, first axis, last axis",
@@ -57,16 +58,6 @@ impl Vocabulary {
             }
             Self::Deck => "smaller steps (*STATIC, DIRECT with a small first increment)",
             Self::Program => "smaller steps (Analysis::solver, max_step and first_step)",
-        }
-    }
-
-    /// How the path is followed more finely before it is given up.
-    pub fn smallest_step(self) -> &'static str {
-        match self {
-            Self::CaseFile => "solver.min_step_kpa",
-            Self::ActuatorModel | Self::DeckModel | Self::MeshModel => "solver.min_step",
-            Self::Deck => "a model file around the deck, with solver.min_step",
-            Self::Program => "Analysis::solver, min_step",
         }
     }
 
@@ -98,13 +89,15 @@ impl Vocabulary {
 
     /// How contact is made softer or stiffer.
     pub fn contact_stiffness(self, problem: &Problem) -> &'static str {
-        let has_pairs = problem.contact_pairs.iter().any(|pair| !pair.slave.is_empty());
+        let has_pairs = !problem.contact_pairs.is_empty();
+        let has_tables = problem.contact_pairs.iter().any(|pair| pair.stiffness.is_some());
         match self {
             Self::CaseFile if has_pairs => "half or twice the contact.stiffness",
             Self::Deck => "half or twice the slope of *SURFACE BEHAVIOR",
             Self::Program => "half or twice the stiffness of the contact",
-            _ if has_pairs => "half or twice the stiffness of each [[contact]]",
-            _ => "half or twice the stiffness of each [[obstacle]]",
+            _ if has_tables => "half or twice the stiffness of each [[contact]]",
+            _ if !problem.obstacles.is_empty() => "half or twice the stiffness of each [[obstacle]]",
+            _ => self.smaller_steps(),
         }
     }
 
@@ -136,7 +129,8 @@ impl Vocabulary {
     /// How a load of a given force is replaced by a motion.
     pub fn drive(self) -> &'static str {
         match self {
-            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+            Self::CaseFile => "write the actuator into a model file, and move it by a [[support]] with a displacement",
+            Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
                 "move the loaded nodes by a [[support]] with a displacement instead of loading them"
             }
             Self::Deck => "move the loaded nodes by *BOUNDARY instead of loading them",
@@ -147,5 +141,80 @@ impl Vocabulary {
     /// What the last position on the load path is called.
     pub fn position(self) -> &'static str {
         if self == Self::CaseFile { "pressure" } else { "time" }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+
+    const ALL: [Vocabulary; 6] = [
+        Vocabulary::CaseFile,
+        Vocabulary::ActuatorModel,
+        Vocabulary::DeckModel,
+        Vocabulary::MeshModel,
+        Vocabulary::Deck,
+        Vocabulary::Program,
+    ];
+
+    fn phrases(words: Vocabulary, problem: &Problem) -> Vec<&'static str> {
+        vec![
+            words.hold(),
+            words.smaller_steps(),
+            words.finer_mesh(),
+            words.better_elements(),
+            words.other_elements(),
+            words.contact_stiffness(problem),
+            words.bulk_modulus(),
+            words.pump(),
+            words.drive(),
+        ]
+    }
+
+    /// What looks like a key: `table.name`.
+    fn keys(phrase: &str) -> Vec<&str> {
+        let words = phrase.split(|c: char| !(c.is_ascii_lowercase() || c == '.' || c == '_'));
+        words
+            .filter(|word| word.split('.').filter(|part| !part.is_empty()).count() == 2 && !word.starts_with('.'))
+            .collect()
+    }
+
+    /// Every key that is named is one of that kind of file, which takes it.
+    #[test]
+    fn advice_names_keys_that_the_file_has() {
+        let case = crate::template::two_chambers();
+        let problem = Study::from_text("case.toml", &case).unwrap().build().unwrap().problem;
+        let start = case.find("[actuator]").unwrap();
+        let actuator: String = case[start..].split("\n\n").next().unwrap().to_owned();
+        let model = format!(
+            "{actuator}\n[load]\ntimes = [1.0]\n[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 1.0\n"
+        );
+        let value = |key: &str| match key {
+            "mesh.resolution" => "draft",
+            "mesh.element" => "hex20",
+            _ => "0.5",
+        };
+        let mut named = 0;
+        for words in ALL {
+            let text = match words {
+                Vocabulary::CaseFile => Some(case.clone()),
+                Vocabulary::ActuatorModel => Some(model.clone()),
+                Vocabulary::DeckModel | Vocabulary::MeshModel => Some("[model]\nfile = \"body.msh\"\n".to_owned()),
+                Vocabulary::Deck | Vocabulary::Program => None,
+            };
+            for phrase in phrases(words, &problem) {
+                for key in keys(phrase) {
+                    let text = text.as_ref().unwrap_or_else(|| panic!("{words:?} has no keys: {phrase}"));
+                    let mut study = Study::from_text("file.toml", text).unwrap();
+                    study.set(key, value(key)).unwrap_or_else(|error| panic!("{words:?}: {key}: {error}"));
+                    // An imported body has its mesh from its file.
+                    let is_imported = matches!(words, Vocabulary::DeckModel | Vocabulary::MeshModel);
+                    assert!(!(is_imported && key.starts_with("mesh.")), "{words:?}: {phrase}");
+                    named += 1;
+                }
+            }
+        }
+        assert!(named > 10, "the test would be empty: {named}");
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use crate::support::Scratch;
 
 fn fixture(name: &str) -> String {
@@ -48,4 +50,52 @@ fn a_body_held_by_contact_only_is_called_that() {
     let words =
         "warning: only contact holds the body: without it, it is free to slide along x and y, and to turn about z";
     assert!(checked.err.contains(words), "{}", checked.err);
+}
+
+/// The reason that `summary.json` has.
+#[track_caller]
+fn stopped(scratch: &Scratch, arguments: &[&str]) -> Value {
+    let ended = scratch.run(&[&["run", "--quiet", "--no-report", "--out", "result"], arguments].concat());
+    assert_eq!(ended.code, 3, "{ended:?}");
+    let summary: Value = serde_json::from_slice(&std::fs::read(scratch.path("result/summary.json")).unwrap()).unwrap();
+    let reason = summary["failure_reason"].clone();
+    assert!(ended.err.contains(reason["advice"].as_str().unwrap()), "{}", ended.err);
+    reason
+}
+
+/// The greatest pressure of a balloon in closed form is 12.09 kPa; pumped full by its volume it goes on.
+#[test]
+fn a_balloon_ends_at_its_greatest_pressure_and_a_volume_passes_it() {
+    let scratch = Scratch::new("balloon");
+    let reason = stopped(&scratch, &[&fixture("balloon_pressure.toml")]);
+    assert_eq!((&reason["kind"], &reason["is_physical"]), (&"instability".into(), &true.into()), "{reason}");
+    let message = reason["message"].as_str().unwrap();
+    let (_, kpa) = message.split_once(" (").unwrap();
+    let kpa: f64 = kpa.split_once(" kPa").unwrap().0.parse().unwrap();
+    assert!((kpa / 12.09 - 1.0).abs() < 2e-3, "{message}");
+    assert!(reason["advice"].as_str().unwrap().contains("volume_mm3"), "{reason}");
+    // As advised: an eighth of the ball, blown up to twice its volume and more.
+    let text = std::fs::read_to_string(fixture("balloon_pressure.toml")).unwrap();
+    let text = text.replace("balloon.inp", &fixture("balloon.inp")).replace("pressure_kpa=20", "volume_mm3=1500");
+    std::fs::write(scratch.path("pumped.toml"), text).unwrap();
+    let ended = scratch.run(&["run", "--quiet", "--no-report", "--out", "pumped", "pumped.toml"]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+}
+
+/// One linear brick twists as it is pulled, which no body does: the run goes on, with a warning.
+#[test]
+fn an_instability_of_the_mesh_is_a_warning_where_supports_drive_the_body() {
+    let scratch = Scratch::new("pulled");
+    let deck = fixture("q1p0_pulled_bar.inp");
+    let ended = scratch.run(&["run", "--quiet", "--no-report", "--out", "result", &deck]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    let summary: Value = serde_json::from_slice(&std::fs::read(scratch.path("result/summary.json")).unwrap()).unwrap();
+    let warning = &summary["warnings"][0];
+    assert_eq!((&warning["kind"], &warning["time"]), (&"mesh-instability".into(), &1.0.into()), "{warning}");
+    // The motion alone drives it: residuals are relative to what the supports bear.
+    let history = std::fs::read_to_string(scratch.path("result/history.jsonl")).unwrap();
+    for line in history.lines() {
+        let record: Value = serde_json::from_str(line).unwrap();
+        assert!(record["relative_residual"].as_f64().unwrap() < 1e6, "{record}");
+    }
 }
