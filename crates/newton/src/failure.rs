@@ -57,7 +57,7 @@ pub enum Cause {
         /// Number of negative pivots.
         negative_pivots: usize,
         /// The motions that release energy, if they were found.
-        motions: Option<UnstableMotions>,
+        motions: Option<Box<UnstableMotions>>,
     },
     /// The equations of the problem cannot be set up.
     #[error(transparent)]
@@ -133,7 +133,7 @@ impl fmt::Display for Failure {
 impl std::error::Error for Failure {}
 
 /// How firm an equilibrium is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stability {
     /// Largest stretching at any point per change of the forces, relative to the one at the beginning of the path; `None` if it is not
     /// known. It grows without limit towards a limit point, beyond which there is no equilibrium at a higher load nearby.
@@ -141,5 +141,5 @@ pub struct Stability {
     /// Negative eigenvalues of the tangent there: the number of motions that would release energy.
     pub negative_pivots: usize,
     /// These motions, if they were found; where there are none, the one in which the body gives way to a small change of its loads.
-    pub motions: Option<UnstableMotions>,
+    pub motions: Option<Box<UnstableMotions>>,
 }

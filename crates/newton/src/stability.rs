@@ -16,8 +16,15 @@ const CHANGE: f64 = 1e-3;
 /// Stretching below this is rounding: nothing is said of it.
 const NO_STRETCH: f64 = 1e-12;
 
-/// Largest stretching per change of the forces at an equilibrium, 1/N, from the exact tangent there, with the motion in
-/// which it gives way (mm, one entry per node); `None` where the loads do not change.
+/// How a body gives way to a small change of its loads.
+pub(crate) struct Response {
+    /// Largest stretching per change of the forces, 1/N.
+    pub rate: f64,
+    /// The motion, mm, one entry per node.
+    pub motion: Vec<[f64; 3]>,
+}
+
+/// How a body gives way at an equilibrium, from the exact tangent there; `None` where the loads do not change.
 ///
 /// # Errors
 /// A singular tangent: as unstable as can be told.
@@ -26,7 +33,7 @@ pub(crate) fn stretching_rate(
     state: &State,
     motion: &PrescribedMotion,
     least_change: f64,
-) -> Result<Option<(f64, Vec<[f64; 3]>)>, AssembleError> {
+) -> Result<Option<Response>, AssembleError> {
     let change = (CHANGE * state.parameter.0).max(least_change);
     system.predict(&state.displacement, None);
     let (left, tangent) = system.tangent(state)?;
@@ -40,7 +47,7 @@ pub(crate) fn stretching_rate(
     let correction = system.solve(&tangent, &assembled, motion.change(&next).as_deref())?;
     let rate = compliance(system, &tangent, state, &correction)?;
     system.recycle(Some(tangent));
-    Ok(rate.map(|rate| (rate, correction.displacement)))
+    Ok(rate.map(|rate| Response { rate, motion: correction.displacement }))
 }
 
 /// Largest stretching by a correction per norm of the forces on the free degrees of freedom that bring it about, 1/N. These forces are those

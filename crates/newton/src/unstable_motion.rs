@@ -63,7 +63,7 @@ impl UnstableMotions {
     /// * a change of volume that the elements' pressures do not see;
     /// * a twist that linear elements under hydrostatic tension do not resolve. Their edges stay straight, so that twisting one of height h by
     ///   θ takes about A h θ²/6 of its volume away, and p times that is released, against ½ μ J θ²/h that the twist costs: too much from
-    ///   p h²/(μ A) of about one on, and ever less on finer meshes.
+    ///   p h²/(μ A) of about one half on, and ever less on finer meshes.
     pub fn are_of_the_mesh(&self) -> bool {
         let is_twisted = self.is_linear && self.tension > 0.0 && self.varying_share > VARYING;
         self.num_elements <= FEW * self.count || self.is_volumetric() || is_twisted

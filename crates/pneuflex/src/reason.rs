@@ -153,17 +153,17 @@ impl End<'_> {
     fn unstable(&self) -> Option<Reason> {
         let stability = &self.failure.stability;
         let of_cause = match &self.failure.cause {
-            Cause::IndefiniteTangent { motions, .. } => Some(*motions),
+            Cause::IndefiniteTangent { motions, .. } => Some(motions.as_deref()),
             _ => None,
         };
         let motions = match of_cause {
-            Some(motions) => motions.or(stability.motions),
-            None if stability.negative_pivots > 0 => stability.motions,
+            Some(motions) => motions.or(stability.motions.as_deref()),
+            None if stability.negative_pivots > 0 => stability.motions.as_deref(),
             None => return None,
         };
         let at = self.reached();
         Some(match motions {
-            Some(motions) if motions.are_of_the_mesh() => self.mesh_instability(&motions),
+            Some(motions) if motions.are_of_the_mesh() => self.mesh_instability(motions),
             _ if self.is_at_rest() => Reason {
                 kind: ReasonKind::MeshInstability,
                 is_physical: false,
@@ -209,8 +209,8 @@ impl End<'_> {
         if !self.is_loaded() {
             return None;
         }
-        if let Some(motions) = self.failure.stability.motions.filter(UnstableMotions::are_of_the_mesh) {
-            return Some(self.mesh_instability(&motions));
+        if let Some(motions) = self.failure.stability.motions.as_deref().filter(|motions| motions.are_of_the_mesh()) {
+            return Some(self.mesh_instability(motions));
         }
         let much = if softening < 1e4 {
             format!("{softening:.0} times as much as")
@@ -389,7 +389,7 @@ mod tests {
             is_linear: true,
         };
         let reason = |motions: Option<UnstableMotions>, reached: f64| {
-            let cause = Cause::IndefiniteTangent { negative_pivots: 1, motions };
+            let cause = Cause::IndefiniteTangent { negative_pivots: 1, motions: motions.map(Box::new) };
             let failure = Failure { reached: LoadParameter(reached), ..failure(cause, None) };
             explain(&problem, Vocabulary::CaseFile, &failure, &rest).unwrap()
         };

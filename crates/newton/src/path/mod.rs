@@ -23,7 +23,7 @@ use crate::failure::{Cause, Failure, Stability};
 use crate::globalisation::Tuning;
 use crate::history::{Augmentation, ConvergedState};
 use crate::prescribed_motion::PrescribedMotion;
-use crate::stability;
+use crate::stability::{self, Response};
 use crate::state::{Equilibrium, State};
 use crate::system::System;
 use crate::tangent_solver::Tangent;
@@ -260,7 +260,7 @@ impl Path {
         match self.solve_again(None, observer) {
             Ok(converged) => self.adopt(converged),
             Err(Cause::IndefiniteTangent { negative_pivots, motions }) => {
-                self.stability = Stability { negative_pivots, motions, ..self.stability };
+                self.stability = Stability { negative_pivots, motions, softening: self.stability.softening };
                 return;
             }
             Err(Cause::Interrupted) => return,
@@ -276,9 +276,9 @@ impl Path {
         let Self { system, mesh, equilibrium, motion, settings, .. } = self;
         let state = &equilibrium.state;
         self.stability = match (stability::stretching_rate(system, state, motion, settings.min_step), self.first_rate) {
-            (Ok(Some((rate, response))), Some(first)) => Stability {
+            (Ok(Some(Response { rate, motion })), Some(first)) => Stability {
                 softening: Some(rate / first),
-                motions: UnstableMotions::of_response(system, mesh, &state.displacement, response),
+                motions: UnstableMotions::of_response(system, mesh, &state.displacement, motion).map(Box::new),
                 negative_pivots: 0,
             },
             // An equilibrium whose tangent is singular is as unstable as can be told.
@@ -300,7 +300,7 @@ impl Path {
 
     fn failure(&self, attempted: LoadParameter, cause: Cause) -> Failure {
         let reached = self.equilibrium.state.parameter;
-        Failure { reached, attempted, cause, stability: self.stability, clock: self.clock }
+        Failure { reached, attempted, cause, stability: self.stability.clone(), clock: self.clock }
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {

@@ -111,6 +111,7 @@ impl Path {
         // The first of these states is to be the next one on the path, and not one of another branch.
         let is_next = before.mesh_motions.is_some() || step <= FIRST_UNSTABLE_STEP * state.parameter.0;
         let goes_on = motions.filter(|motions| is_next && !criteria.has_load() && motions.are_of_the_mesh());
+        let motions = motions.map(Box::new);
         goes_on.ok_or(Cause::IndefiniteTangent { negative_pivots: tangent.negative_pivots(), motions })
     }
 

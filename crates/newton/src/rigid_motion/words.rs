@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, Vector3};
-
-use super::Directions;
+use nalgebra::{DMatrix, Matrix3xX, Vector3};
 
 /// Directions further than this from an axis are not called by its name.
 const ALONG: f64 = 1e-6;
@@ -95,7 +93,7 @@ impl fmt::Display for RigidMotions {
 /// The space that some directions span, in words.
 fn directions(list: &[[f64; 3]]) -> String {
     let columns: Vec<Vector3<f64>> = list.iter().map(|direction| Vector3::from(*direction)).collect();
-    let span = Directions::from_columns(&columns).qr().q();
+    let span = Matrix3xX::from_columns(&columns).qr().q();
     let named: Vec<&str> = ["x", "y", "z"]
         .into_iter()
         .enumerate()
