@@ -37,7 +37,11 @@ pub fn loose_parts(problem: &Problem) -> Vec<LoosePart> {
     let mut clusters = Clusters::of(parts.supports(&problem.held_dofs()));
     clusters.constrain(parts.hinges());
     clusters.constrain(parts.equations(problem));
-    let free: Vec<DMatrix<f64>> = (0..parts.list.len()).map(|part| clusters.motions(part)).collect();
+    let motions = |(number, part): (usize, &Part)| {
+        // A part without extent is refused for that, with its element.
+        if part.radius > f64::MIN_POSITIVE { clusters.motions(number) } else { DMatrix::zeros(6, 0) }
+    };
+    let free: Vec<DMatrix<f64>> = parts.list.iter().enumerate().map(motions).collect();
     if free.iter().all(|motions| motions.ncols() == 0) {
         return Vec::new();
     }
