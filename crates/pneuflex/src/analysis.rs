@@ -112,7 +112,7 @@ impl Analysis {
             (Some(source), _) => {
                 let body = path.parent().unwrap_or(Path::new("")).join(&source.file);
                 let read = read_body(store, &body, source)?;
-                let warning = guard(Estimate::of_body(&read.problem.mesh))?;
+                let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))?;
                 notes.extend(read.notes);
                 if title.is_empty() {
                     title = read.title;
@@ -169,7 +169,7 @@ impl Analysis {
         let mesh = &self.problem.mesh;
         match &self.description {
             Description::Actuator(case) => Estimate::of_mesh(case, mesh.num_elements(), self.problem.num_unknowns()),
-            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh),
+            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh, &self.problem.equations),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 
 use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
-use pneuflex_model::Case;
+use pneuflex_model::{Case, Curve, LinearEquation};
 
 use crate::input_error::{InputError, InputErrorKind};
 use crate::words::{count, size};
@@ -64,10 +64,19 @@ impl Estimate {
         Self { elements: elements as f64, unknowns: unknowns as f64, bytes }
     }
 
-    /// Estimates a body of any shape that is meshed already: as if it were one chamber.
-    pub fn of_body(mesh: &Mesh) -> Self {
+    /// Estimates a body of any shape that is meshed already, as if it were one chamber, with linear equations between its nodes.
+    ///
+    /// An equation couples its n degrees of freedom with each other, in the tangent, in its factor and while it is formed: half of n² blocks
+    /// of 3 × 3 numbers each time. One with a right-hand side has a column over all nodes as well, and the answer to it.
+    pub fn of_body(mesh: &Mesh, equations: &[LinearEquation]) -> Self {
+        const COUPLING: f64 = 3.0 * 0.5 * 72.0;
         let unknowns = 3.0 * mesh.num_nodes() as f64;
-        Self { elements: mesh.num_elements() as f64, unknowns, bytes: bytes(mesh.kind, 1, unknowns) }
+        let of_equation = |equation: &LinearEquation| {
+            let columns = if equation.value == Curve::ZERO { 0.0 } else { 2.0 };
+            COUPLING * (equation.terms.len() as f64).powi(2) + columns * 8.0 * unknowns
+        };
+        let bytes = bytes(mesh.kind, 1, unknowns) + equations.iter().map(of_equation).sum::<f64>();
+        Self { elements: mesh.num_elements() as f64, unknowns, bytes }
     }
 
     /// Refuses what needs more memory than there is, unless `limit` says otherwise; else returns what to warn of.
