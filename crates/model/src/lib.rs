@@ -15,6 +15,7 @@
 //! Units: mm, N, MPa; contact stiffness N/mm³; pressures in a case file in kPa.
 
 pub mod case;
+mod contact_stiffness;
 pub mod formulation;
 pub mod law;
 pub mod load;
