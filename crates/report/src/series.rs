@@ -272,6 +272,7 @@ mod tests {
     fn model() -> (Problem, Value) {
         let mut problem = two_chambers(Formulation::Hex8Sri);
         problem.clock = Clock::Steps;
+        problem.symmetry.clear();
         problem.cavities[0].control = Control::Volume(pneuflex_model::Curve::Proportional(10.0));
         let mut summary = summary_json(&[1.0, 2.0]);
         for step in summary["steps"].as_array_mut().unwrap() {
