@@ -13,6 +13,9 @@ const LINE: [(f64, f64); 3] =
 /// A part of a mesh and ∫ N over it for every of its nodes.
 type Piece = Vec<(u32, f64)>;
 
+/// The parts of a kind all of whose nodes belong to a set.
+type Within = fn(&Mesh, &[bool]) -> Vec<Piece>;
+
 impl Mesh {
     /// Shares, summing to 1, of nodes in what is spread evenly over them: ∫ N / ∫ 1 over all elements whose nodes are all among them, then
     /// over faces (those of the surface first), then over edges. Nodes of several kinds divide the whole by their number, and those that
@@ -23,8 +26,7 @@ impl Mesh {
         nodes.iter().for_each(|&node| rest[node as usize] = true);
         let count = |rest: &[bool]| rest.iter().filter(|is_left| **is_left).count();
         let each = 1.0 / count(&rest).max(1) as f64;
-        let pieces: [fn(&Self, &[bool]) -> Vec<Piece>; 4] =
-            [Self::elements_within, Self::surface_within, Self::faces_within, Self::edges_within];
+        let pieces: [Within; 4] = [Self::elements_within, Self::surface_within, Self::faces_within, Self::edges_within];
         for within in pieces {
             let left = count(&rest);
             if left == 0 {
