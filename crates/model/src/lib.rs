@@ -31,6 +31,7 @@ pub mod range_check;
 mod series;
 pub mod symmetry;
 mod units;
+mod whole;
 
 pub use case::Case;
 pub use formulation::Formulation;

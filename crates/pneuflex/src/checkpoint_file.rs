@@ -3,6 +3,7 @@
 use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_newton::Checkpoint;
 use pneuflex_post::summary::StepSummary;
+use pneuflex_report::summary::FORMAT;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -12,7 +13,6 @@ use crate::files::{Files, INPUT, included_name};
 use crate::folder::OutputFolder;
 use crate::input_error::{InputError, InputErrorKind};
 use crate::on_the_way::OnTheWay;
-use crate::recorder::FORMAT;
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";

@@ -41,6 +41,11 @@ impl OnTheWay {
     }
 }
 
+/// How the fields of a state on the way are numbered.
+pub fn on_the_way_number(number: usize) -> String {
+    format!("on_the_way_{number:02}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

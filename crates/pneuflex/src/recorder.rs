@@ -9,7 +9,7 @@ use pneuflex_model::{Clock, Control, LoadParameter, Pressure, SymmetryPlane};
 use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, Timing};
 use pneuflex_post::summary::{Described, ProbeSite, StepSummary, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
-pub use pneuflex_report::summary::FORMAT;
+use pneuflex_report::summary::FORMAT;
 use serde::Serialize;
 
 use crate::analysis::Analysis;
@@ -21,7 +21,7 @@ use crate::files::{Files, INCLUDED, INPUT, included_name};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
 use crate::observer::{End, Event, Observer, ReachedState};
-use crate::on_the_way::OnTheWay;
+use crate::on_the_way::{OnTheWay, on_the_way_number};
 
 /// File of the iterations, one a line.
 const HISTORY: &str = "history.jsonl";
@@ -369,11 +369,6 @@ impl Observer for Recorder<'_> {
         let on_the_way = self.states_on_the_way(end)?;
         self.write_summary(Some(&self.ending(end, on_the_way)))
     }
-}
-
-/// How the fields of a state on the way are numbered.
-pub(crate) fn on_the_way_number(number: usize) -> String {
-    format!("on_the_way_{number:02}")
 }
 
 /// Copies the files of a body, by which the results can be shown later.

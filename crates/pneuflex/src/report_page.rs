@@ -8,7 +8,7 @@ use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 use pneuflex_report::inputs::{Group, Row, groups};
 use pneuflex_report::state::State;
-use pneuflex_report::summary::Summary;
+use pneuflex_report::summary::{FORMAT, Summary};
 use pneuflex_report::{Report, render};
 
 use crate::analysis::{Analysis, Description};
@@ -16,8 +16,8 @@ use crate::error::Error;
 use crate::folder::{OutputFolder, REPORT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
+use crate::on_the_way::on_the_way_number;
 use crate::overview::OverviewRow;
-use crate::recorder::{FORMAT, on_the_way_number};
 use crate::study::Study;
 use crate::words::plural;
 
