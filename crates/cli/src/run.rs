@@ -35,7 +35,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     let end = analysis.requested.last().copied().unwrap_or_default();
     let clock = analysis.problem.clock;
-    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end]);
+    let parts = analysis.problem.parts_of_whole();
+    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end], parts);
     announce(&analysis, &folder, &progress);
     match begin {
         Some(at) => progress.line(&format!("going on from {}", clock.words(at))),
@@ -85,14 +86,19 @@ fn announce(analysis: &Analysis, folder: &OutputFolder, progress: &Progress) {
     let mesh = &problem.mesh;
     let size = [mesh.num_nodes(), mesh.num_elements(), problem.num_unknowns()].map(|n| thousands(n as u64));
     progress.line(&format!(
-        "{}: {} nodes, {} elements {}, {} unknowns; results go to {}",
+        "{}: {} nodes, {} elements {}, {} unknowns",
         analysis.path.display(),
         size[0],
         size[1],
         problem.formulation,
         size[2],
-        folder.path().display()
     ));
+    let place = folder.path().display();
+    progress.line(&match analysis.modelled_part() {
+        Some("whole") => format!("  the whole body is modelled; results go to {place}"),
+        Some(part) => format!("  one {part} of the body is modelled; results, of the whole, go to {place}"),
+        None => format!("  results go to {place}"),
+    });
 }
 
 /// Writes the run's report; a report that cannot be written is no failure of the run.

@@ -26,6 +26,7 @@ pub mod mesh;
 mod polynomial;
 pub mod quadrature;
 pub mod shape;
+mod shares;
 
 pub use actuator::{Actuator, Channel, GeometryError, Part, build_actuator};
 pub use element::ElementKind;

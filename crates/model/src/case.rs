@@ -189,7 +189,7 @@ impl Default for WrittenContact {
 impl From<Written> for Case {
     fn from(written: Written) -> Self {
         let Written { title, actuator, mesh, material, contact, mut obstacles, load, probes, solver, output } = written;
-        let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.shear_modulus(), &actuator));
+        let stiffness = contact.stiffness.unwrap_or_else(|| Contact::of_actuator(&material, &actuator).stiffness);
         let min_step = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let (first_step, max_step) = (first_step_kpa, max_step_kpa);
@@ -214,33 +214,10 @@ impl From<Written> for Case {
     }
 }
 
-/// Penalty stiffness, N/mm³: the paper's 4 for its material and walls of 1 mm, in proportion to the shear modulus over the thinnest
-/// wall's thickness. Walls pressed together by the air then sink into each other by the same share of their thickness.
-fn default_stiffness(shear_modulus: f64, actuator: &Actuator) -> f64 {
-    let (paper, wall) = (Contact::default().stiffness, actuator.thinnest_wall());
-    if !(shear_modulus > 0.0 && shear_modulus.is_finite() && wall > 0.0) {
-        return paper;
-    }
-    let half = 0.5 * Material::default().shear_modulus();
-    rounded(paper * (0.5 * shear_modulus) / half / wall)
-}
-
 /// Smallest load step, kPa: small beside the pressures of soft materials, too.
 fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
     let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
     let default = Solver::default().min_step;
     let small = if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default };
     if max_step_kpa > 0.0 { small.min(max_step_kpa) } else { small }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_papers_material_gives_the_papers_numbers_and_others_scale() {
-        assert_eq!(default_stiffness(0.5424, &Actuator::full()), 4.0);
-        let thick = Actuator { top_wall: 2.0, side_wall: 2.0, cavity_length: 4.0, ..Actuator::full() };
-        assert_eq!(default_stiffness(1.0848, &thick), 4.0);
-    }
 }

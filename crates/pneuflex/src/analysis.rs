@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::Actuator;
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, LoadParameter, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, Contact, LoadParameter, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::contact;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
@@ -125,7 +125,8 @@ impl Analysis {
                 let size = model.mesh.mesh_size(actuator);
                 let material = model.material.clone().unwrap_or_default();
                 let warning = guard(Estimate::of_actuator(actuator, formulation.element_kind(), &size))?;
-                let problem = Problem::from_actuator(actuator, &size, formulation, material, Default::default());
+                let contact = Contact::of_actuator(&material, actuator);
+                let problem = Problem::from_actuator(actuator, &size, formulation, material, contact);
                 (problem.map_err(|error| say(error.into()))?, warning)
             }
             // The ranges of a model file ask for one of them.
@@ -201,6 +202,13 @@ impl Analysis {
             Description::Actuator(case) => Some(&case.actuator),
             Description::Model(model, _) | Description::Body(model) => model.actuator.as_ref(),
         }
+    }
+
+    /// What is modelled of the whole body: `whole`, `half`, `quarter` or `eighth`; `None` for a deck or mesh without a declared plane of
+    /// symmetry, of which nobody knows.
+    pub fn modelled_part(&self) -> Option<&'static str> {
+        let is_known = self.actuator().is_some() || !self.problem.symmetry.is_empty();
+        is_known.then(|| self.problem.modelled_part())
     }
 
     /// The text of the resolved case, with every default; a model's refers to the copies of its files in a result folder.

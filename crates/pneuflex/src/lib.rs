@@ -129,6 +129,7 @@ pub mod input_error;
 pub mod json;
 pub mod memory;
 pub mod observer;
+mod on_the_way;
 pub mod overview;
 mod recorded_mesh;
 pub mod recorder;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_mesh::{Actuator, Facet, Mesh};
 
 use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
+use crate::contact_stiffness;
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{Contact, ContactMethod, Solver};
@@ -12,9 +13,6 @@ use crate::problem::{Clock, ContactPair, Problem, Region, Support};
 use crate::range_check::CaseError;
 use crate::series::Series;
 use crate::units::MPA_PER_KPA;
-
-/// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
-const STIFFNESS: f64 = 10.0;
 
 /// Step sizes by default, relative to the last time: first, largest, smallest.
 const STEPS: [f64; 3] = [0.1, 1.0, 1e-5];
@@ -36,7 +34,7 @@ impl Model {
     /// # Errors
     /// Every set that does not exist or is empty, and what is missing.
     pub fn study(&self, body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
-        let mut build = Build { problem: body, errors: Vec::new(), end: 0.0 };
+        let mut build = Build { problem: body, actuator: self.actuator.as_ref(), errors: Vec::new(), end: 0.0 };
         let times = match (&self.load, schedule) {
             (Some(load), _) => load.times.clone(),
             (None, Some((times, _))) => times.to_vec(),
@@ -82,12 +80,11 @@ impl Model {
         if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
     }
 
-    fn add_loads(&self, build: &mut Build) {
+    fn add_loads(&self, build: &mut Build<'_>) {
         for (i, force) in self.forces.iter().enumerate() {
-            let nodes = build.nodes(&format!("force[{i}].nodes"), &force.nodes);
-            let share = 1.0 / nodes.len().max(1) as f64;
+            let nodes = build.shares(&format!("force[{i}].nodes"), &force.nodes);
             let curve = build.factor(force.factor.as_ref());
-            build.problem.loads.push(Load::Force { nodes, force: force.total.map(|f| share * f), curve });
+            build.problem.loads.push(Load::Force { nodes, force: force.total, curve });
         }
         for (i, traction) in self.tractions.iter().enumerate() {
             let facets = build.facets(&format!("traction[{i}].faces"), &traction.faces);
@@ -129,14 +126,16 @@ impl Steps {
 }
 
 /// A problem that is being put together.
-struct Build {
+struct Build<'a> {
     problem: Problem,
+    /// Lengths of the body, if it is an actuator's.
+    actuator: Option<&'a Actuator>,
     errors: Vec<CaseError>,
     /// Last time.
     end: f64,
 }
 
-impl Build {
+impl Build<'_> {
     fn complain(&mut self, key: &str, value: String, allowed: String) {
         self.errors.push(CaseError { key: key.into(), value, allowed });
     }
@@ -161,6 +160,20 @@ impl Build {
         }
         let sets = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).cloned().collect();
         self.unknown(key, name, "a node set or a surface", sets)
+    }
+
+    /// The nodes of a node set, or of a surface, with their shares in what is spread evenly over it.
+    fn shares(&mut self, key: &str, name: &str) -> Vec<(u32, f64)> {
+        let mesh = &self.problem.mesh;
+        let is_node_set = named(&mesh.node_sets, name).is_some_and(|(_, nodes)| !nodes.is_empty());
+        if let Some((_, facets)) =
+            named(&mesh.facet_sets, name).filter(|(_, facets)| !is_node_set && !facets.is_empty())
+        {
+            return mesh.shares_of_faces(facets);
+        }
+        let nodes = self.nodes(key, name);
+        let shares = self.problem.mesh.shares(&nodes);
+        nodes.into_iter().zip(shares).collect()
     }
 
     fn facets(&mut self, key: &str, name: &str) -> Vec<Facet> {
@@ -217,6 +230,12 @@ impl Build {
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
         self.problem.supports.push(Support { name: table.nodes.clone(), nodes, axes, motion });
+        if table.symmetry && self.errors.is_empty() {
+            let declared = self.problem.declare_symmetry(self.problem.supports.len() - 1);
+            if let Err(why) = declared {
+                self.complain(&format!("support[{number}].symmetry"), "true".into(), why.to_string());
+            }
+        }
     }
 
     fn equation(&mut self, number: usize, table: &EquationTable) {
@@ -304,20 +323,17 @@ impl Build {
         self.problem.obstacles.extend(table.obstacle(facets, stiffness, motion));
     }
 
-    fn stiffness(&self, slave: &[Facet]) -> f64 {
-        let mesh = &self.problem.mesh;
-        let size = |facet: &Facet| {
-            let nodes = mesh.facet_nodes(*facet);
-            let [a, b] = [nodes[0], nodes[1]].map(|node| mesh.nodes[node as usize]);
-            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-        };
-        let mean = slave.iter().map(size).sum::<f64>() / slave.len().max(1) as f64;
+    /// Penalty stiffness of faces that are given none, N/mm³.
+    fn stiffness(&self, facets: &[Facet]) -> f64 {
         let (materials, of_element) = self.problem.materials();
-        let softest = slave
+        let softest = facets
             .iter()
             .map(|facet| materials[usize::from(of_element[facet.element as usize])].shear_modulus())
             .fold(f64::INFINITY, f64::min);
-        if mean > 0.0 && softest.is_finite() { STIFFNESS * softest / mean } else { 1.0 }
+        match self.actuator {
+            Some(actuator) => contact_stiffness::of_actuator(softest, actuator),
+            None => contact_stiffness::of_faces(softest, &self.problem.mesh, facets).unwrap_or(1.0),
+        }
     }
 }
 

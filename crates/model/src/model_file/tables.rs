@@ -112,6 +112,9 @@ pub struct SupportTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
+    /// Whether it is the plane of symmetry of a body of which one side is modelled.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub symmetry: bool,
 }
 
 /// Σ cᵢ uᵢ = value.
@@ -154,9 +157,9 @@ pub struct CavityTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceTable {
-    /// A node set.
+    /// A node set, or a surface.
     pub nodes: String,
-    /// Force in all, N; every node gets the same share.
+    /// Force in all, N, spread evenly over the faces or edges that the nodes make up; single nodes get equal shares.
     pub total: [f64; 3],
     /// Factor by time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
