@@ -8,6 +8,7 @@
 //! * [`load`]: what acts on a body, as functions of the load parameter.
 //! * [`quantity`]: the load parameter, pressures.
 //! * [`obstacle`]: rigid bodies that a deformable one may touch.
+//! * [`symmetry`]: planes at which the body is cut.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
 //!
@@ -27,6 +28,7 @@ pub mod problem;
 pub mod quantity;
 pub mod range_check;
 mod series;
+pub mod symmetry;
 mod units;
 
 pub use case::Case;
@@ -41,4 +43,5 @@ pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;
+pub use symmetry::{NoSymmetry, SymmetryPlane};
 pub use units::MPA_PER_KPA;

@@ -13,6 +13,7 @@ use crate::obstacle::Obstacle;
 use crate::options::{Contact, ContactMethod};
 use crate::quantity::LoadParameter;
 use crate::range_check::CaseError;
+use crate::symmetry::SymmetryPlane;
 use crate::units::MPA_PER_KPA;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
@@ -40,6 +41,8 @@ pub struct Problem {
     pub contact_pairs: Vec<ContactPair>,
     /// Rigid bodies that may be touched.
     pub obstacles: Vec<Obstacle>,
+    /// Planes of symmetry at which it is cut; what lies beyond is the mirror image.
+    pub symmetry: Vec<SymmetryPlane>,
     /// What the load parameter counts.
     pub clock: Clock,
 }
@@ -152,6 +155,7 @@ impl Problem {
             contact: Contact { method: ContactMethod::None, ..Contact::default() },
             contact_pairs: Vec::new(),
             obstacles: Vec::new(),
+            symmetry: Vec::new(),
             clock: Clock::Pressure,
         }
     }
@@ -205,8 +209,9 @@ impl Problem {
             let nodes = mesh.node_set(name).to_vec();
             Support { name: name.into(), nodes, axes, motion: None }
         };
-        let mut supports = vec![support("clamp", [true; 3])];
+        let (mut supports, mut symmetry) = (vec![support("clamp", [true; 3])], Vec::new());
         if !mesh.node_set("symmetry").is_empty() {
+            symmetry.push(SymmetryPlane { axis: 1, at: 0.0, support: supports.len() });
             supports.push(support("symmetry", [false, true, false]));
         }
         let mut contact_pairs: Vec<ContactPair> = (1..actuator.chambers)
@@ -219,7 +224,8 @@ impl Problem {
             contact_pairs.push(outer_surface(&mesh, &contact_pairs));
         }
         let cavity = mesh.facet_set("cavity").to_vec();
-        let mut problem = Self { supports, contact, contact_pairs, ..Self::body(mesh, formulation, material) };
+        let mut problem =
+            Self { supports, symmetry, contact, contact_pairs, ..Self::body(mesh, formulation, material) };
         problem.inflate("cavity", cavity);
         Ok(problem)
     }

@@ -217,6 +217,12 @@ impl Build {
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
         self.problem.supports.push(Support { name: table.nodes.clone(), nodes, axes, motion });
+        if table.symmetry && self.errors.is_empty() {
+            let declared = self.problem.declare_symmetry(self.problem.supports.len() - 1);
+            if let Err(why) = declared {
+                self.complain(&format!("support[{number}].symmetry"), "true".into(), why.to_string());
+            }
+        }
     }
 
     fn equation(&mut self, number: usize, table: &EquationTable) {

@@ -112,6 +112,9 @@ pub struct SupportTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
+    /// Whether it is the plane of symmetry of a body of which one side is modelled.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub symmetry: bool,
 }
 
 /// Σ cᵢ uᵢ = value.
