@@ -29,6 +29,7 @@ pub mod quantity;
 pub mod range_check;
 mod series;
 pub mod symmetry;
+mod symmetry_check;
 mod units;
 
 pub use case::Case;
@@ -44,4 +45,5 @@ pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;
 pub use symmetry::{NoSymmetry, SymmetryPlane};
+pub use symmetry_check::{Asymmetry, BoxSide, ProblemPart};
 pub use units::MPA_PER_KPA;
