@@ -117,6 +117,7 @@
 pub mod analysis;
 pub mod body;
 mod body_file;
+mod caution;
 pub mod checkpoint_file;
 pub mod convergence;
 mod derived;
@@ -132,6 +133,7 @@ pub mod observer;
 pub mod overview;
 mod recorded_mesh;
 pub mod recorder;
+mod refusals;
 pub mod report_page;
 pub mod run;
 pub mod solution;
