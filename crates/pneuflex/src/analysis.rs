@@ -190,7 +190,7 @@ impl Analysis {
     /// The part of these that is known before anything is solved.
     pub fn cautions(&self) -> Vec<Warning> {
         let end = self.requested.last().copied().unwrap_or_default();
-        cautions(&self.problem, end, self.description.model(), &self.probes)
+        cautions(&self.problem, end, self.description.model(), self.actuator().is_some(), &self.probes)
     }
 
     /// Everything that can be derived from an equilibrium of this analysis: the summary, stresses, what the contact carries.

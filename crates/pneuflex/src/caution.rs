@@ -9,7 +9,7 @@ use crate::diagnosis::{Warning, WarningKind};
 use crate::words::thousands;
 
 /// Elements of a smaller scaled Jacobian are poor: slivers.
-pub const POOR_SHAPE: f64 = 0.1;
+pub const POOR_SHAPE: f64 = 0.05;
 
 /// A probe whose nearest node is further away than this share of the body's extent is hardly on it.
 const FAR_PROBE: f64 = 0.05;
@@ -34,10 +34,17 @@ const ACCELERATION: [f64; 2] = [100.0, 1e6];
 const BULK_MODULUS: f64 = 2e4;
 const BULK_RATIO: f64 = 500.0;
 
-/// What is worth a word about a problem that is followed to `end`; `model` has the tables that it was built from.
-pub fn cautions(problem: &Problem, end: LoadParameter, model: Option<&Model>, probes: &[Probe]) -> Vec<Warning> {
+/// What is worth a word about a problem that is followed to `end`; `model` has the tables that it was built from, `is_actuator` says whether
+/// it was meshed here.
+pub fn cautions(
+    problem: &Problem,
+    end: LoadParameter,
+    model: Option<&Model>,
+    is_actuator: bool,
+    probes: &[Probe],
+) -> Vec<Warning> {
     let mut found = Vec::new();
-    found.extend(poor_elements(problem));
+    found.extend(poor_elements(problem, is_actuator));
     found.extend(problem.asymmetries().iter().map(|twofold| two_of(problem, twofold)));
     found.extend(model.into_iter().flat_map(|model| regions(problem, model)));
     found.extend(probes.iter().filter_map(|probe| far_probe(problem, probe)));
@@ -66,18 +73,22 @@ pub fn centre(problem: &Problem, element: usize) -> [f64; 3] {
     std::array::from_fn(|k| corners.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners.len() as f64)
 }
 
-fn poor_elements(problem: &Problem) -> Option<Warning> {
+fn poor_elements(problem: &Problem, is_actuator: bool) -> Option<Warning> {
     let (element, quality, poor) = worst_element(problem)?;
     let [x, y, z] = centre(problem, element);
     let count = |n: usize| thousands(n as u64);
     let message = format!(
-        "{} of {} elements are badly shaped; the worst, {}, near ({x:.2}, {y:.2}, {z:.2}) mm, has the scaled Jacobian {quality:.3} (good \
-         elements have 1, flat ones 0)",
+        "badly shaped elements: {} of {}; the worst, {}, near ({x:.2}, {y:.2}, {z:.2}) mm, has the scaled Jacobian {quality:.3} (good ones have 1, \
+         flat ones 0)",
         count(poor),
         count(problem.mesh.num_elements()),
         element + 1
     );
-    let advice = "results near them are unreliable, and a run may stop there: improve the mesh (Gmsh: Mesh.Optimize, or another size)";
+    let advice = if is_actuator {
+        "results near them are unreliable, and a run may stop there: take hexahedra (mesh.element = \"hex27\"), or a smaller mesh.edge_size"
+    } else {
+        "results near them are unreliable, and a run may stop there: improve the mesh (Gmsh: Mesh.Optimize, or another size)"
+    };
     (poor > 0).then(|| warning(WarningKind::ElementShape, message, advice))
 }
 
@@ -218,7 +229,7 @@ mod tests {
     }
 
     fn said(problem: &Problem) -> Vec<WarningKind> {
-        cautions(problem, LoadParameter(1.0), None, &[]).into_iter().map(|warning| warning.kind).collect()
+        cautions(problem, LoadParameter(1.0), None, false, &[]).into_iter().map(|warning| warning.kind).collect()
     }
 
     #[test]
@@ -257,9 +268,9 @@ mod tests {
     fn slivers_and_probes_beside_the_body_are_named() {
         let right = block(10.0);
         let mesh = (*right.mesh).clone().map_nodes(|[x, y, z]| [x + 40.0 * z, y, z]);
-        let found = cautions(&Problem { mesh: mesh.into(), ..right.clone() }, LoadParameter(1.0), None, &[]);
+        let found = cautions(&Problem { mesh: mesh.into(), ..right.clone() }, LoadParameter(1.0), None, false, &[]);
         assert_eq!(found[0].kind, WarningKind::ElementShape);
-        assert!(found[0].message.contains("of 6 elements"), "{}", found[0].message);
+        assert!(found[0].message.contains("of 6;"), "{}", found[0].message);
         let probe = |x: f64| far_probe(&right, &Probe { name: "p".into(), at: [x, 0.0, 0.0] });
         assert!(probe(10.4).is_none() && probe(11.0).unwrap().message.contains("1.000 mm away"));
     }

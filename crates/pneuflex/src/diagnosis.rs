@@ -165,8 +165,17 @@ pub fn explain(problem: &Problem, failure: &Failure, displacement: &[[f64; 3]]) 
 fn material_gives_way(problem: &Problem, displacement: &[[f64; 3]]) -> Option<String> {
     let stress = recover(problem, displacement).ok()?;
     let beyond = stress.beyond_limit(problem);
-    let (element, point, limit) =
-        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let worst = beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3));
+    let Some((element, point, limit)) = worst else {
+        let unstable = stress.unstable();
+        let (element, point) = unstable.iter().max_by(|(_, a), (_, b)| a.von_mises.total_cmp(&b.von_mises))?;
+        let [x, y, z] = point.position;
+        return Some(format!(
+            "the material gives way: in element {element} near ({x:.1}, {y:.1}, {z:.1}) mm its constants answer more strain with less stress \
+             ({} integration points)",
+            unstable.len()
+        ));
+    };
     let [x, y, z] = point.position;
     Some(format!(
         "the material gives way: in element {} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and beyond {limit:.2} \

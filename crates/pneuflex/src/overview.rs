@@ -131,8 +131,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
     );
     if let Some(limit) = material_limit(material) {
         rows.add("", format!("gives way where the invariant exceeds 3 by {limit:.2}"));
-    } else if material.law.reduced_polynomial().is_none() {
-        rows.add("", "whether and where it gives way is not checked for this law".into());
+    } else if material.law.may_give_way() {
+        rows.add("", "it may give way: it is watched whether more strain takes more stress".into());
     }
     for support in &problem.supports {
         let held = axes(support.axes);

@@ -235,3 +235,39 @@ fn a_region_is_what_its_box_says() {
     assert_body_refused(&boxed(1.5), "region[0].box", "6.0");
     assert_body_refused(&boxed(0.5), "region[0].box", "must follow faces");
 }
+
+#[test]
+fn results_carry_warnings_in_every_kind_of_file() {
+    let kinds = |analysis: &Analysis| -> Vec<WarningKind> {
+        analysis.solve().unwrap().warnings.into_iter().map(|warning| warning.kind).collect()
+    };
+    // A soft plate that is pressed onto a block: it enters by more than 1 % of an element.
+    let mut pressed = block();
+    let plate = "name = \"plate\"\nshape = \"plane\"\nfaces = \"top\"\npoint = [0, 0, 4]\nnormal = [0, 0, -1]\n\
+                 displacement = [0, 0, -0.3]\nstiffness = 0.5\n";
+    pressed.model.obstacles.push(toml::from_str(plate).unwrap());
+    assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::Penetration, WarningKind::CoarseMesh]);
+    pressed.model.obstacles[0].stiffness = Some(500.0);
+    assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::CoarseMesh]);
+    // Constants in kPa instead of MPa, as a case file and as a model file.
+    let mesh = "resolution = \"draft\"";
+    let coarse = "size = 4.5\nelement = \"hex8-q1p0\"";
+    let stiff = "[material]\nlaw = \"neo-hooke\"\nc10 = 100.0\nbulk_modulus = 10000.0\n";
+    let air = "[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 60\n";
+    for rest in [format!("{stiff}[load]\npressure_kpa = [60]\n"), format!("{stiff}{TIMES}{air}")] {
+        let found = kinds(&build(&file(&rest).replace(mesh, coarse)).unwrap());
+        assert_eq!(found, [WarningKind::Units, WarningKind::CoarseMesh, WarningKind::Units], "{rest}");
+        let soft = rest.replace("100.0", "0.3").replace("10000.0", "1000.0").replace("60", "5");
+        assert_eq!(kinds(&build(&file(&soft).replace(mesh, coarse)).unwrap()), [WarningKind::CoarseMesh], "{soft}");
+    }
+    // A law without a limit of its first invariant: C10 / λ + C01 λ = 0 at the stretch 2.
+    let mut pulled = block();
+    pulled.material(Material::from(Law::Polynomial { c10: 0.1, c01: -0.025, c20: 0.0, c11: 0.0, c02: 0.0 }));
+    pulled.model.solver.max_step = Some(0.1);
+    pulled.model.supports[0].axes = "z".into();
+    pulled.name_nodes("left", |[x, ..]| x == 0.0).name_nodes("head", |[_, _, z]| z == 4.0);
+    pulled.hold("left", "x").hold("middle", "y").displace("head", "z", [0.0, 0.0, 3.9]);
+    assert_eq!(kinds(&pulled.analysis().unwrap()), [WarningKind::CoarseMesh]);
+    pulled.model.supports[3].displacement = Some([0.0, 0.0, 4.3]);
+    assert_eq!(kinds(&pulled.analysis().unwrap())[0], WarningKind::MaterialLimit);
+}
