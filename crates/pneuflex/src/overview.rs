@@ -306,7 +306,7 @@ fn rows_of_quality(problem: &Problem) -> Option<String> {
 fn material(name: &str, elements: usize, volume: f64, material: &Material) -> String {
     let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
     format!(
-        "{name}{}, {volume:.6} mm3, of {}: {}, bulk modulus {} MPa{density}",
+        "{name}{} of {}: {}, bulk modulus {} MPa{density}, {volume:.6} mm3",
         plural(elements, "element"),
         material.law.name(),
         material.law,

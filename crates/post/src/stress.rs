@@ -371,7 +371,7 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
-    use pneuflex_model::Formulation;
+    use pneuflex_model::{Formulation, Law};
 
     fn materials() -> Vec<Material> {
         let mut materials = pneuflex_laws::samples();
@@ -418,6 +418,21 @@ mod tests {
 
     /// The energy's derivative along a displacement is the work of the stress: Σ V J σ : grad(δu) in a state in which
     /// the volumetric pressure varies, which ties each formulation's pressure to its energy.
+    /// Uniaxial Mooney-Rivlin: C₁₀/λ + C₀₁ λ = 0 at the stretch 2.
+    #[test]
+    fn points_at_which_more_strain_takes_less_stress_are_found() {
+        let mut problem = with_formulation(3.0, Formulation::Hex27);
+        problem.material = Law::Polynomial { c10: 0.4, c01: -0.1, c20: 0.0, c11: 0.0, c02: 0.0 }.into();
+        let unstable = |stretch: f64| {
+            let across = 1.0 / stretch.sqrt() - 1.0;
+            let u = displacement_of(&problem, |[x, y, z]| [(stretch - 1.0) * x, across * y, across * z]);
+            let field = recover(&problem, &u).unwrap();
+            (field.unstable().len(), field.points.len())
+        };
+        let ((few, _), (many, all)) = (unstable(1.99), unstable(2.01));
+        assert_eq!((few, many), (0, all));
+    }
+
     #[test]
     fn stress_is_the_derivative_of_the_energy_where_the_volume_change_is_uniform() {
         for formulation in Formulation::ALL {
