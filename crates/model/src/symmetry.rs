@@ -115,7 +115,7 @@ impl Problem {
         let (low, high) = range(held.nodes.iter().map(|&node| along(node as usize)));
         let close = CLOSE * self.mesh.extent();
         let plane = SymmetryPlane { axis, at: snapped(0.5 * (low + high), close), support };
-        if !(high - low <= 2.0 * close) {
+        if high - low > 2.0 * close {
             return Err(NoSymmetry::NotFlat { axis: plane.axis_name(), low, high });
         }
         if let Some(other) = self.symmetry.iter().find(|other| other.axis == axis) {

@@ -57,7 +57,7 @@ fn far_probes(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
     let extent = mesh.extent();
     let far = |(number, probe): (usize, &Probe)| {
         let (node, distance) = mesh.nearest_node(probe.at)?;
-        let is_far = !(distance <= extent);
+        let is_far = distance > extent || distance.is_nan();
         let [x, y, z] = mesh.nodes[node];
         is_far.then(|| CaseError {
             key: format!("probe[{number}].at"),
