@@ -1,14 +1,12 @@
 //! The case file of an actuator, with defaults and range checks.
 
-use std::collections::BTreeSet;
-
 use pneuflex_mesh::Actuator;
 use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
 use crate::number::rounded;
 use crate::obstacle_table::{self, ObstacleTable};
-use crate::options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
+use crate::options::{self, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
 use crate::range_check::{CaseError, Problems};
 
 /// A whole case file.
@@ -59,18 +57,7 @@ impl Case {
     /// Every key whose value is out of range, table by table.
     pub fn problems(&self) -> Vec<CaseError> {
         let mut found = Problems(self.actuator.problems().into_iter().map(CaseError::from).collect());
-        let smallest = self.mesh.size.iter().flat_map(|size| size.per_axis()).min_by(f64::total_cmp);
-        let largest = self.mesh.size.iter().flat_map(|size| size.per_axis()).max_by(f64::total_cmp);
-        // One of them is out of range if any is; a NaN is the largest or the smallest of all.
-        if let Some(bad) = [smallest, largest].into_iter().flatten().find(|h| !(h.is_finite() && *h > 0.0)) {
-            found.unless_positive("mesh.size", bad, " mm");
-        }
-        if let Some(edge) = self.mesh.edge_size {
-            found.unless_positive("mesh.edge_size", edge, " mm");
-        }
-        if let Some(n) = self.mesh.wall_elements.filter(|n| !(1..=1000).contains(n)) {
-            found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
-        }
+        self.mesh.check(&mut found);
         found.0.extend(self.material.problems("material"));
         found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
         if let Some(tolerance) = self.contact.penetration_tolerance {
@@ -107,16 +94,7 @@ impl Case {
             let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
             found.add("load.pressure_kpa", pressures, allowed);
         }
-        let mut names = BTreeSet::new();
-        for (i, probe) in self.probes.iter().enumerate() {
-            if probe.name.is_empty() || !names.insert(&probe.name) {
-                let allowed = "must be non-empty and different for every probe";
-                found.add(&format!("probe[{i}].name"), &probe.name, allowed);
-            }
-            if !probe.at.iter().all(|x| x.is_finite()) {
-                found.add(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
-            }
-        }
+        options::check_probes(&self.probes, found);
     }
 }
 

@@ -30,6 +30,7 @@ pub mod quantity;
 pub mod range_check;
 mod series;
 pub mod symmetry;
+mod symmetry_check;
 mod units;
 mod whole;
 
@@ -46,4 +47,5 @@ pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;
 pub use symmetry::{NoSymmetry, SymmetryPlane};
+pub use symmetry_check::{Asymmetry, BoxSide, ProblemPart};
 pub use units::MPA_PER_KPA;

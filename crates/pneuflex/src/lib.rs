@@ -117,6 +117,7 @@
 pub mod analysis;
 pub mod body;
 mod body_file;
+mod caution;
 pub mod checkpoint_file;
 pub mod convergence;
 mod derived;
@@ -133,6 +134,7 @@ mod on_the_way;
 pub mod overview;
 mod recorded_mesh;
 pub mod recorder;
+mod refusals;
 pub mod report_page;
 pub mod run;
 pub mod solution;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
+use pneuflex_mesh::{Actuator, Cuts, ElementKind, Mesh, MeshSize};
 use pneuflex_model::{Case, Curve, LinearEquation};
 
 use crate::input_error::{InputError, InputErrorKind};
@@ -44,17 +44,17 @@ impl Estimate {
 
     /// The same for other element sizes than the case's own.
     pub fn of_size(case: &Case, size: &MeshSize) -> Self {
-        Self::of_actuator(&case.actuator, case.mesh.formulation().element_kind(), size)
+        Self::of_actuator(&case.actuator, case.mesh.formulation().element_kind(), size, &Cuts::default())
     }
 
-    /// Estimates an actuator's mesh.
-    pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize) -> Self {
-        let cells = actuator.estimate_cells(size);
+    /// Estimates an actuator's mesh with faces of elements in further planes.
+    pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize, cuts: &Cuts) -> Self {
+        let cells = actuator.estimate_cells(size, cuts);
         let per_chamber = cells / actuator.chambers as f64;
         let [inside, surface] = kind.lattice.nodes_per_cell;
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
         let elements = cells * kind.lattice.elements as f64;
-        let grid = GRID_BYTES * actuator.estimate_grid(size);
+        let grid = GRID_BYTES * actuator.estimate_grid(size, cuts);
         Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
     }
 

@@ -8,6 +8,7 @@ use pneuflex_post::stress::material_limit;
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::{Analysis, Description};
+use crate::caution::{POOR_SHAPE, centre, worst_element};
 use crate::words::{plain, plain_list, plural, size, thousands};
 
 /// What would be solved, as data and as a text.
@@ -116,6 +117,7 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
             number(problem.num_unknowns())
         ),
     );
+    rows_of_quality(problem).into_iter().for_each(|text| rows.add("quality", text));
     if let Some(cut) = symmetry(problem) {
         rows.add("symmetry", cut);
     }
@@ -132,8 +134,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
     );
     if let Some(limit) = material_limit(material) {
         rows.add("", format!("gives way where the invariant exceeds 3 by {limit:.2}"));
-    } else if material.law.reduced_polynomial().is_none() {
-        rows.add("", "whether and where it gives way is not checked for this law".into());
+    } else if material.law.may_give_way() {
+        rows.add("", "it may give way: it is watched whether more strain takes more stress".into());
     }
     for support in &problem.supports {
         let held = axes(support.axes);
@@ -230,12 +232,18 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     }
     let (_, of_element) = problem.materials();
     let others = of_element.iter().filter(|region| **region == 0).count();
+    let volume = |region: u16| {
+        let of_region = of_element.iter().zip(0..).filter(|(of, _)| **of == region).map(|(_, element)| element);
+        mesh.volume_of(of_region)
+    };
     if others > 0 {
-        row("material", material("", others, &problem.material));
+        row("material", material("", others, volume(0), &problem.material));
     }
-    for region in &problem.regions {
-        row("material", material(&format!("{}: ", region.name), region.elements.len(), &region.material));
+    for (number, region) in problem.regions.iter().enumerate() {
+        let volume = volume(number as u16 + 1);
+        row("material", material(&format!("{}: ", region.name), region.elements.len(), volume, &region.material));
     }
+    rows_of_quality(problem).into_iter().for_each(|text| row("quality", text));
     for (kind, sets) in [
         ("nodes", mesh.node_sets.iter().map(|(name, nodes)| (name, nodes.len())).collect::<Vec<_>>()),
         ("elements", mesh.element_sets.iter().map(|(name, elements)| (name, elements.len())).collect()),
@@ -309,10 +317,21 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     rows.0
 }
 
-fn material(name: &str, elements: usize, material: &Material) -> String {
+/// The shape of the worst element.
+fn rows_of_quality(problem: &Problem) -> Option<String> {
+    let (element, quality, poor) = worst_element(problem)?;
+    let [x, y, z] = centre(problem, element);
+    let poor = if poor > 0 { format!("; {} below {POOR_SHAPE}", number(poor)) } else { String::new() };
+    Some(format!(
+        "worst element {} near ({x:.2}, {y:.2}, {z:.2}) mm, scaled Jacobian {quality:.3} of 1{poor}",
+        element + 1
+    ))
+}
+
+fn material(name: &str, elements: usize, volume: f64, material: &Material) -> String {
     let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
     format!(
-        "{name}{} of {}: {}, bulk modulus {} MPa{density}",
+        "{name}{} of {}: {}, bulk modulus {} MPa{density}, {volume:.6} mm3",
         plural(elements, "element"),
         material.law.name(),
         material.law,

@@ -1,6 +1,6 @@
 //! The model file's tables.
 
-use pneuflex_mesh::Actuator;
+use pneuflex_mesh::{Actuator, Cuts};
 use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
@@ -69,6 +69,15 @@ pub struct Model {
     /// What is written.
     #[serde(default)]
     pub output: Output,
+}
+
+impl Model {
+    /// Planes in which the mesh of an actuator has faces of elements so that its regions are what their boxes say.
+    pub fn cuts(&self) -> Cuts {
+        let mut cuts = Cuts::default();
+        self.regions.iter().filter_map(|region| region.within).for_each(|corners| cuts.add_box(corners));
+        cuts
+    }
 }
 
 /// The file that holds the body.
