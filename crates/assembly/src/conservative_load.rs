@@ -56,8 +56,8 @@ fn forces_of(problem: &Problem, load: &Load) -> Option<(Vec<[f64; 3]>, Curve)> {
     match load {
         Load::Force { nodes, force, curve } => {
             let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
-            for &node in nodes {
-                add_scaled(&mut forces[node as usize], 1.0, *force);
+            for &(node, factor) in nodes {
+                add_scaled(&mut forces[node as usize], factor, *force);
             }
             Some((forces, curve.clone()))
         }

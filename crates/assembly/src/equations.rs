@@ -1,4 +1,4 @@
-//! Linear equations between displacements, Σ cᵢ uᵢ = b.
+//! Linear equations between displacements, Σ cᵢ uᵢ = b, that are not eliminated ([`crate::Elimination`]).
 //!
 //! They are enforced exactly by a multiplier each, an unknown beside the displacements with the equation g = cᵀu − b and the column B = c.
 //! The blocks are the stabilising half of the augmented Lagrangian, ½ γ (cᵀu − b)²: it changes no solution, and keeps the tangent
@@ -28,12 +28,12 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Those of a problem.
-    pub fn of(problem: &Problem) -> Self {
+    /// Those of a problem that have not been eliminated.
+    pub fn of(problem: &Problem, equations: &[LinearEquation]) -> Self {
         let mesh = &problem.mesh;
         let (materials, _) = problem.materials();
         let stiffest = materials.iter().map(|material| material.shear_modulus()).fold(0.0, f64::max);
-        Self::new(&problem.equations, STIFFNESS * stiffest * mesh.mean_element_size(), mesh.extent())
+        Self::new(equations, STIFFNESS * stiffest * mesh.mean_element_size(), mesh.extent())
     }
 
     /// Equations with a stiffness (N/mm) that single nodes have, for a body of a size (mm).

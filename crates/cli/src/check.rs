@@ -16,6 +16,9 @@ pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
     for note in &analysis.notes {
         say(note);
     }
+    for warning in analysis.warnings(&[]) {
+        say(&warning.to_string());
+    }
     // Nobody reading on is no error.
     let _ = io::stdout().write_all(analysis.overview().to_string().as_bytes());
     Ok(())

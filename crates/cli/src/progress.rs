@@ -1,28 +1,26 @@
-//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing when quiet. All on standard error.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing when quiet. All on standard error, in lines of 80 columns.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pneuflex::Event;
 use pneuflex::model::{Clock, LoadParameter};
 use pneuflex::newton::{Cause, IterationRecord};
 use pneuflex::post::summary::{ObstacleSummary, StepSummary};
+use pneuflex::{Event, ReachedState};
 
 use crate::error::say;
 
 /// Tells somebody how a run is going.
 pub struct Progress {
     output: Output,
-    began: Instant,
     clock: Clock,
-    /// Position on the load path that this run began at, reached last, and goes on to.
-    start: LoadParameter,
+    /// How many modelled parts make the whole body, of which contact points are counted.
+    parts: usize,
+    time_left: TimeLeft,
+    /// Position on the load path that was reached last, and that the run goes on to.
     last: LoadParameter,
     end: LoadParameter,
-    /// Position aimed at by the step under way.
-    aim: LoadParameter,
-    is_rejected: bool,
 }
 
 enum Output {
@@ -34,14 +32,18 @@ enum Output {
 /// The bar's length; its position is the share of the last pressure.
 const LENGTH: u64 = 1000;
 
+/// Columns of a terminal.
+const WIDTH: usize = 80;
+
 impl Progress {
-    /// Progress from `start` to `end`, on the load path.
-    pub fn new(quiet: bool, clock: Clock, [start, end]: [LoadParameter; 2]) -> Self {
+    /// Progress from `start` to `end`, on the load path, of a body that is made of so many modelled parts.
+    pub fn new(quiet: bool, clock: Clock, [start, end]: [LoadParameter; 2], parts: usize) -> Self {
         let output = if quiet {
             Output::Quiet
         } else if io::stderr().is_terminal() {
             let bar = ProgressBar::new(LENGTH);
-            if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:30}] {msg}") {
+            // What is too long for the line is cut off.
+            if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:10}] {wide_msg}") {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.enable_steady_tick(Duration::from_millis(200));
@@ -49,7 +51,8 @@ impl Progress {
         } else {
             Output::Lines
         };
-        Self { output, began: Instant::now(), clock, start, last: start, end, aim: start, is_rejected: false }
+        let time_left = TimeLeft::new(start);
+        Self { output, clock, parts, time_left, last: start, end }
     }
 
     /// Prints a line.
@@ -67,18 +70,16 @@ impl Progress {
             Event::StepStarted { step, parameter } => self.step_started(*step, *parameter),
             Event::Iteration(record) => self.iteration(record),
             Event::StepRejected { cause, .. } => self.rejected(cause),
-            Event::StepAccepted(_) => {}
-            Event::State(state) => self.state(state.summary),
+            Event::StepAccepted(checkpoint) => {
+                self.last = checkpoint.parameter;
+                self.time_left.reached(self.last, self.end);
+            }
+            Event::State(state) => self.state(state),
         }
     }
 
     /// A load step begins.
-    fn step_started(&mut self, step: usize, parameter: LoadParameter) {
-        // A new step after one that was not rejected: that one was accepted.
-        if !self.is_rejected {
-            self.last = self.aim;
-        }
-        (self.aim, self.is_rejected) = (parameter, false);
+    fn step_started(&self, step: usize, parameter: LoadParameter) {
         let aim = self.clock.words(parameter);
         match &self.output {
             Output::Bar(bar) => {
@@ -89,51 +90,36 @@ impl Progress {
         }
     }
 
-    /// An iteration is done; "same factor" is one more correction of modified Newton.
+    /// An iteration is done; without a new tangent it is one more correction of modified Newton.
     fn iteration(&self, record: &IterationRecord) {
-        let modified = if record.new_tangent { "" } else { ", same factor" };
-        let text = format!(
-            "iteration {}{modified}: correction {:.2e}, residual {:.2e} N, {} contact points",
-            record.iteration, record.correction, record.residual, record.contact_points
-        );
+        let points = self.parts * record.contact_points;
         match &self.output {
             Output::Bar(bar) => {
-                let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
-                bar.set_message(format!(
-                    "step {} to {}, {text}{left}",
-                    record.step,
-                    self.clock.words(record.parameter)
+                let (aim, number) = (self.clock.words(record.parameter), record.iteration);
+                let left = self.left();
+                bar.set_message(format!("to {aim}, iteration {number}, {points} contact points{left}"));
+            }
+            _ => {
+                let number = record.iteration.to_string();
+                let number = if record.new_tangent { &number } else { "again" };
+                let (correction, residual) = (record.correction, record.residual);
+                self.line(&format!(
+                    "  iteration {number}: correction {correction:.1e}, residual {residual:.1e} N, {points} contact points"
                 ));
             }
-            _ => self.line(&format!("  {text}")),
         }
     }
 
     /// A load step failed and is repeated with a smaller one.
-    fn rejected(&mut self, cause: &Cause) {
-        self.is_rejected = true;
-        self.line(&format!("  step rejected: {cause}"));
+    fn rejected(&self, cause: &Cause) {
+        self.line(&wrapped(&format!("  step rejected: {cause}"), ' '));
     }
 
     /// A requested pressure is reached.
-    fn state(&mut self, summary: &StepSummary) {
-        let StepSummary { iterations, contact, .. } = summary;
+    fn state(&mut self, ReachedState { summary, equilibrium, .. }: &ReachedState<'_>) {
         self.last = summary.when();
-        let left = self.time_left().map(|t| format!(", {t} left")).unwrap_or_default();
-        let at = self.clock.words(self.last);
-        let angle =
-            summary.end_face_angle_deg.map(|deg| format!("end face turned by {deg:.2} deg, ")).unwrap_or_default();
-        let force = |(name, found): (&String, &ObstacleSummary)| {
-            let size = found.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
-            format!(", {size:.4} N on {name}")
-        };
-        let forces: String = summary.obstacles.iter().map(force).collect();
-        self.line(&format!(
-            "{at} reached in {iterations} iterations: {angle}{} contact points, penetration {:.4} mm{forces}{left}",
-            contact.points_active, contact.max_penetration_mm
-        ));
-        if let Some(warning) = &summary.warning {
-            self.line(&format!("  warning: {warning}"));
+        for line in state_lines(self.clock, summary, self.parts * equilibrium.contact_points, &self.left()) {
+            self.line(&line);
         }
     }
 
@@ -144,11 +130,91 @@ impl Progress {
         }
     }
 
-    /// Time left if what is left of the path takes as long as what was gone of it so far.
-    fn time_left(&self) -> Option<String> {
-        let (gone, left) = (self.last - self.start, self.end - self.last);
-        let seconds = self.began.elapsed().as_secs_f64() * left / gone;
-        (gone > 0.0 && left > 0.0).then(|| duration(seconds))
+    fn left(&self) -> String {
+        self.time_left.seconds().map(|seconds| format!(", about {} left", duration(seconds))).unwrap_or_default()
+    }
+}
+
+/// What is said of a requested pressure that is reached; `points` are all contact points, those of walls and of obstacles.
+fn state_lines(clock: Clock, summary: &StepSummary, points: usize, left: &str) -> Vec<String> {
+    let (at, iterations) = (clock.words(summary.when()), summary.iterations);
+    let angle = summary.end_face_angle_deg.map(|deg| format!(": end face turned by {deg:.2} deg"));
+    let mut lines = vec![format!("{at} reached in {iterations} iterations{}{left}", angle.unwrap_or_default())];
+    let force = |(name, found): (&String, &ObstacleSummary)| {
+        let size = found.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
+        format!(", {size:.4} N on {name}")
+    };
+    let forces: String = summary.obstacles.iter().map(force).collect();
+    let depth = summary.obstacles.values().fold(summary.contact.max_penetration_mm, |a, b| a.max(b.max_penetration_mm));
+    if points > 0 || depth > 0.0 || !forces.is_empty() {
+        lines.push(wrapped(&format!("  {points} contact points, penetration {depth:.4} mm{forces}"), ','));
+    }
+    if let Some(warning) = &summary.warning {
+        lines.push(wrapped(&format!("  warning: {warning}"), ' '));
+    }
+    lines
+}
+
+/// A text in lines of [`WIDTH`] columns, broken after `at` where it can be.
+fn wrapped(text: &str, at: char) -> String {
+    let (mut lines, mut line) = (Vec::new(), String::new());
+    for part in text.split_inclusive(at) {
+        if line.chars().count() + part.trim_end().chars().count() > WIDTH && !line.trim().is_empty() {
+            lines.push(std::mem::replace(&mut line, "    ".into()));
+            line.push_str(part.trim_start());
+        } else {
+            line.push_str(part);
+        }
+    }
+    lines.push(line);
+    lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>().join("\n")
+}
+
+/// How long a run will take, from how long its load steps took.
+struct TimeLeft {
+    /// When the steps were accepted, and where: the beginning first.
+    steps: Vec<(Instant, LoadParameter)>,
+    /// When the run will end by the steps so far, and by those before the last.
+    ends: [Option<Instant>; 2],
+}
+
+impl TimeLeft {
+    /// Load steps whose pace is the present one.
+    const RECENT: usize = 3;
+
+    fn new(start: LoadParameter) -> Self {
+        Self { steps: vec![(Instant::now(), start)], ends: [None; 2] }
+    }
+
+    /// A load step is accepted.
+    fn reached(&mut self, at: LoadParameter, end: LoadParameter) {
+        self.reached_when(Instant::now(), at, end);
+    }
+
+    fn reached_when(&mut self, now: Instant, at: LoadParameter, end: LoadParameter) {
+        self.steps.push((now, at));
+        // Steps become dearer as walls touch: what is left goes at the slower one of the whole path's pace and the present one.
+        let count = self.steps.len();
+        let pace = |first: usize| {
+            let (begin, from) = self.steps[first];
+            (now - begin).as_secs_f64() / (at - from)
+        };
+        let pace = pace(0).max(pace(count.saturating_sub(1 + Self::RECENT)));
+        let left = pace * (end - at).max(0.0);
+        let next = Duration::try_from_secs_f64(left).ok().and_then(|left| now.checked_add(left));
+        self.ends = [next, self.ends[0]];
+    }
+
+    /// Seconds left; `None` while the estimates of the last two steps contradict each other, or once the run takes longer than expected.
+    fn seconds(&self) -> Option<f64> {
+        self.seconds_at(Instant::now())
+    }
+
+    fn seconds_at(&self, now: Instant) -> Option<f64> {
+        let [Some(end), Some(before)] = self.ends else { return None };
+        let left = end.checked_duration_since(now)?.as_secs_f64();
+        let differ = if end > before { end - before } else { before - end };
+        (left > 0.0 && differ.as_secs_f64() <= 0.5 * left).then_some(left)
     }
 }
 
@@ -162,5 +228,40 @@ pub fn duration(seconds: f64) -> String {
         format!("{:.0} min", seconds / 60.0)
     } else {
         format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_broken_into_lines_of_a_terminal() {
+        let text = format!("  {} contact points{}", 12, ", 0.0123 N on a table".repeat(6));
+        let lines = wrapped(&text, ',');
+        assert!(lines.lines().count() > 1 && lines.lines().all(|line| line.chars().count() <= WIDTH), "{lines}");
+        assert_eq!(lines.replace("\n   ", ""), text);
+        assert_eq!(wrapped("  short", ' '), "  short");
+    }
+
+    #[test]
+    fn time_left_is_said_when_it_is_known_and_never_grows_within_a_step() {
+        let mut left = TimeLeft::new(LoadParameter(0.0));
+        let begin = left.steps[0].0;
+        let after = |seconds: f64| begin + Duration::from_secs_f64(seconds);
+        let end = LoadParameter(10.0);
+        left.reached_when(after(1.0), LoadParameter(1.0), end);
+        assert_eq!(left.seconds_at(after(1.0)), None);
+        left.reached_when(after(2.1), LoadParameter(2.0), end);
+        let [soon, late] = [2.1, 4.0].map(|now| left.seconds_at(after(now)).unwrap());
+        assert!((soon - 8.4).abs() < 1e-6 && (soon - late - 1.9).abs() < 1e-6, "{soon} {late}");
+        // Walls touch: the next step takes far longer, so that nothing is known until its pace is confirmed.
+        assert_eq!(left.seconds_at(after(12.0)), None);
+        left.reached_when(after(22.0), LoadParameter(3.0), end);
+        assert_eq!(left.seconds_at(after(22.0)), None);
+        left.reached_when(after(30.0), LoadParameter(4.0), end);
+        assert!(left.seconds_at(after(30.0)).unwrap() > 40.0);
+        left.reached_when(after(80.0), end, end);
+        assert_eq!(left.seconds_at(after(80.0)), None);
     }
 }

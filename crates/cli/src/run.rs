@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use pneuflex::diagnosis::{Warning, WarningKind};
 use pneuflex::report_page::write_report;
 use pneuflex::words::thousands;
 use pneuflex::{Analysis, Error, OutputFolder, Start, Study};
@@ -35,7 +36,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     let end = analysis.requested.last().copied().unwrap_or_default();
     let clock = analysis.problem.clock;
-    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end]);
+    let parts = analysis.problem.parts_of_whole();
+    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end], parts);
     announce(&analysis, &folder, &progress);
     match begin {
         Some(at) => progress.line(&format!("going on from {}", clock.words(at))),
@@ -53,6 +55,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     match result {
         Ok(solution) => {
+            say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
             report(&progress);
             let spent = duration(solution.timing.total_s);
             progress.line(&format!("converged: {} iterations in {spent}; results in {place}", solution.iterations));
@@ -66,6 +69,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             Ok(Outcome::Interrupted)
         }
         Err(Error::NotConverged(ended) | Error::Setup(ended)) => {
+            say_warnings(&ended.reached.warnings, &analysis.warnings(&[]), &progress);
             report(&progress);
             let advice = ended.reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice));
             let advice = advice.unwrap_or_default();
@@ -81,18 +85,32 @@ fn announce(analysis: &Analysis, folder: &OutputFolder, progress: &Progress) {
     for note in &analysis.notes {
         progress.line(note);
     }
+    say_warnings(&analysis.warnings(&[]), &[], progress);
     let problem = &analysis.problem;
     let mesh = &problem.mesh;
     let size = [mesh.num_nodes(), mesh.num_elements(), problem.num_unknowns()].map(|n| thousands(n as u64));
     progress.line(&format!(
-        "{}: {} nodes, {} elements {}, {} unknowns; results go to {}",
+        "{}: {} nodes, {} elements {}, {} unknowns",
         analysis.path.display(),
         size[0],
         size[1],
         problem.formulation,
         size[2],
-        folder.path().display()
     ));
+    let place = folder.path().display();
+    progress.line(&match analysis.modelled_part() {
+        Some("whole") => format!("  the whole body is modelled; results go to {place}"),
+        Some(part) => format!("  one {part} of the body is modelled; results, of the whole, go to {place}"),
+        None => format!("  results go to {place}"),
+    });
+}
+
+/// Says what to be careful about, but for what was said before and what the states said themselves.
+fn say_warnings(warnings: &[Warning], said: &[Warning], progress: &Progress) {
+    let is_new = |warning: &&Warning| warning.kind != WarningKind::MaterialLimit && !said.contains(warning);
+    for warning in warnings.iter().filter(is_new) {
+        progress.line(&warning.to_string());
+    }
 }
 
 /// Writes the run's report; a report that cannot be written is no failure of the run.

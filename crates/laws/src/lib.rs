@@ -70,4 +70,24 @@ mod tests {
             }
         }
     }
+
+    /// Uniaxial Mooney-Rivlin: C₁₀/λ + C₀₁ λ = 0 across the load at λ = √(−C₁₀/C₀₁) = 2. Laws that cannot give way never do.
+    #[test]
+    fn laws_are_stable_as_far_as_their_closed_forms_say() {
+        let stable = |material: &Material, l: f64| {
+            let across = 1.0 / l.sqrt();
+            pneuflex_material::drucker::is_stable(&*law_of(material), [across, l, across])
+        };
+        let mooney_rivlin: Material = Law::Polynomial { c10: 0.4, c01: -0.1, c20: 0.0, c11: 0.0, c02: 0.0 }.into();
+        assert!(mooney_rivlin.law.may_give_way() && stable(&mooney_rivlin, 1.999) && !stable(&mooney_rivlin, 2.001));
+        // Yeoh in planar tension ends at the root of 2x² + 2.5x − 19.5 = 0, x = I₁ − 3 = λ² + λ⁻² − 2.
+        let yeoh: Material = Law::Yeoh { c10: 1.3, c20: -0.1, c30: 0.0 }.into();
+        let x = (-2.5 + (2.5_f64 * 2.5 + 8.0 * 19.5).sqrt()) / 4.0;
+        let end = (0.5 * (x + 2.0 + ((x + 2.0) * (x + 2.0) - 4.0).sqrt())).sqrt();
+        let planar = |l: f64| pneuflex_material::drucker::is_stable(&*law_of(&yeoh), [1.0, l, 1.0 / l]);
+        assert!(planar(0.999 * end) && !planar(1.001 * end));
+        for material in samples().iter().filter(|material| !material.law.may_give_way()) {
+            assert!([0.3, 0.9, 1.0, 1.7, 4.0].iter().all(|&l| stable(material, l)), "{material:?}");
+        }
+    }
 }

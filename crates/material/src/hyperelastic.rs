@@ -15,7 +15,7 @@ pub trait Hyperelastic: Debug + Send + Sync {
     }
 
     /// The value of I₁ − 3 (Ī₁ − 3 for an isochoric law) beyond which the law has no stiffness left, so that stresses mean nothing there;
-    /// `None` if there is none, or if the law is none in the first invariant alone: others are not checked.
+    /// `None` if there is none, or if the law is none in the first invariant alone: for others see [`crate::drucker`].
     fn limit(&self) -> Option<f64> {
         None
     }

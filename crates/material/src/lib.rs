@@ -13,6 +13,7 @@
 //! ```
 
 pub mod battery;
+pub mod drucker;
 mod hyperelastic;
 mod invariants;
 pub mod kinematics;

@@ -82,6 +82,23 @@ pub enum Part {
     Whole,
 }
 
+/// Coordinates along x, y and z of planes in which faces of elements shall lie beside those that the actuator's shape asks for, mm: where
+/// another material begins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cuts(pub [Vec<f64>; 3]);
+
+impl Cuts {
+    /// Faces of a box along the axes, given by two of its corners.
+    pub fn add_box(&mut self, corners: [[f64; 3]; 2]) {
+        for corner in corners {
+            self.0.iter_mut().zip(corner).for_each(|(along, at)| along.push(at));
+        }
+    }
+}
+
+/// A cut this close to another plane, relative to the thinnest wall, is that plane: elements between them would be slivers.
+const SAME_PLANE: f64 = 0.01;
+
 /// A length that makes no body, or none that can be meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} = {value} is out of range: {allowed}")]
@@ -243,7 +260,7 @@ impl Actuator {
     }
 
     /// Intervals between the break planes along x, y, z.
-    fn intervals(&self) -> [Vec<Interval>; 3] {
+    fn intervals(&self, cuts: &Cuts) -> [Vec<Interval>; 3] {
         let wall = self.end_wall();
         let mut x = vec![Plane::outside(0.0)];
         for i in 0..self.chambers {
@@ -277,7 +294,13 @@ impl Actuator {
         }
         z.extend([Plane::edge(self.height - self.top_wall), Plane::outside(self.height).closing_wall()]);
         z.sort_by(|a, b| a.at.total_cmp(&b.at));
-        [x, y, z].map(|planes| to_intervals(&planes, 1e-9 * self.length().max(self.width).max(self.height)))
+        let mut axes = [x, y, z];
+        for (planes, cuts) in axes.iter_mut().zip(&cuts.0) {
+            for &at in cuts {
+                add_cut(planes, at, SAME_PLANE * self.thinnest_wall());
+            }
+        }
+        axes.map(|planes| to_intervals(&planes, 1e-9 * self.length().max(self.width).max(self.height)))
     }
 
     fn region(&self, [x, y, z]: [f64; 3]) -> Region {
@@ -313,8 +336,8 @@ impl Actuator {
 
     /// Estimated number of solid lattice cells for a given size, without building anything; exact up to rounding of the
     /// solid share.
-    pub fn estimate_cells(&self, size: &MeshSize) -> f64 {
-        let intervals = self.intervals();
+    pub fn estimate_cells(&self, size: &MeshSize, cuts: &Cuts) -> f64 {
+        let intervals = self.intervals(cuts);
         let mut solid = 0.0;
         let counts: [Vec<f64>; 3] = std::array::from_fn(|d| intervals[d].iter().map(|i| size.cells(i, d)).collect());
         // Summing over blocks of the geometry is cheap: their number does not depend on the element size.
@@ -332,9 +355,21 @@ impl Actuator {
     }
 
     /// Number of lattice cells of the body's bounding box, of which meshing keeps account.
-    pub fn estimate_grid(&self, size: &MeshSize) -> f64 {
+    pub fn estimate_grid(&self, size: &MeshSize, cuts: &Cuts) -> f64 {
         let along = |(d, intervals): (usize, &Vec<Interval>)| intervals.iter().map(|i| size.cells(i, d)).sum::<f64>();
-        self.intervals().iter().enumerate().map(along).product()
+        self.intervals(cuts).iter().enumerate().map(along).product()
+    }
+}
+
+/// Adds a plane without edges between others, which are in ascending order, unless it lies beyond them or close to one.
+fn add_cut(planes: &mut Vec<Plane>, at: f64, close: f64) {
+    let after = planes.partition_point(|plane| plane.at < at);
+    let (below, above) = planes.split_at(after);
+    if let (Some(below), Some(above)) = (below.last(), above.first())
+        && at - below.at > close
+        && above.at - at > close
+    {
+        planes.insert(after, Plane::outside(at));
     }
 }
 
@@ -362,8 +397,24 @@ fn to_intervals(planes: &[Plane], tolerance: f64) -> Vec<Interval> {
 /// # Panics
 /// If a size is not positive: callers check their options first.
 pub fn build_actuator(actuator: &Actuator, size: &MeshSize, kind: ElementKind) -> Result<Mesh, GeometryError> {
+    build_actuator_with(actuator, size, kind, &Cuts::default())
+}
+
+/// The same with faces of elements in further planes.
+///
+/// # Errors
+/// As there.
+///
+/// # Panics
+/// As there.
+pub fn build_actuator_with(
+    actuator: &Actuator,
+    size: &MeshSize,
+    kind: ElementKind,
+    cuts: &Cuts,
+) -> Result<Mesh, GeometryError> {
     actuator.validate()?;
-    let intervals = actuator.intervals();
+    let intervals = actuator.intervals(cuts);
     let lines: [Vec<f64>; 3] = std::array::from_fn(|d| {
         let mut line = vec![intervals[d][0].start];
         for interval in &intervals[d] {
@@ -433,9 +484,9 @@ mod tests {
     #[test]
     fn the_grid_is_the_whole_box() {
         let half = Actuator::two_chambers();
-        assert_eq!(half.estimate_grid(&size(1.0)), 18.0 * 10.0 * 13.0);
+        assert_eq!(half.estimate_grid(&size(1.0), &Cuts::default()), 18.0 * 10.0 * 13.0);
         let whole = Actuator { part: Part::Whole, ..half };
-        assert_eq!(whole.estimate_grid(&size(0.5)), 36.0 * 40.0 * 26.0);
+        assert_eq!(whole.estimate_grid(&size(0.5), &Cuts::default()), 36.0 * 40.0 * 26.0);
     }
 
     /// Volume enclosed by a facet set and the planes that cut it: ∮ x n_x dS over the facets.
@@ -560,7 +611,7 @@ mod tests {
         assert_eq!(mesh.node_set("end_face").len(), 11 * 5);
         assert_eq!(mesh.facet_set("bottom").len(), 82 * 10);
         assert!(mesh.node_set("symmetry").iter().all(|&n| mesh.nodes[n as usize][1] == 0.0));
-        let estimate = Actuator::full().estimate_cells(&size(1.0));
+        let estimate = Actuator::full().estimate_cells(&size(1.0), &Cuts::default());
         assert_eq!(estimate as usize, mesh.num_elements());
     }
 
@@ -571,6 +622,29 @@ mod tests {
         assert!((mesh.volume() - 1268.0).abs() < 1e-9);
         assert!(mesh.select_nodes(|x| (x[0] - 0.5).abs() < 1e-12).len() > 10);
         assert!(mesh.select_nodes(|x| (x[0] - 1.5).abs() < 1e-12).is_empty());
+    }
+
+    #[test]
+    fn faces_of_elements_lie_in_cuts_and_nothing_else_changes() {
+        let actuator = Actuator::two_chambers();
+        let graded = MeshSize { edge: 2.8, ..MeshSize::uniform(6.0) };
+        let plain = build_actuator(&actuator, &graded, ElementKind::Hex8).unwrap();
+        let cut = |corners| {
+            let mut cuts = Cuts::default();
+            cuts.add_box(corners);
+            let estimate = actuator.estimate_cells(&graded, &cuts);
+            let mesh = build_actuator_with(&actuator, &graded, ElementKind::Hex8, &cuts).unwrap();
+            assert!((mesh.volume() - plain.volume()).abs() < 1e-9);
+            assert_eq!(mesh.num_elements() as f64, estimate);
+            mesh
+        };
+        let layer = cut([[-1.0, -10.0, 0.0], [18.0, 10.0, 0.7]]);
+        let at = |mesh: &Mesh, z: f64| mesh.select_nodes(|x| (x[2] - z).abs() < 1e-12).len();
+        assert!(at(&plain, 0.7) == 0 && at(&layer, 0.7) == at(&layer, 0.0));
+        assert_eq!(layer.facet_set("gap_1_left").len(), layer.facet_set("gap_1_right").len());
+        // Planes of the body itself, and what is as good as one.
+        assert_eq!(cut([[0.0, 0.0, 0.0], [8.0, 9.0, 4.0]]), plain);
+        assert_eq!(cut([[0.0, 0.0, 2.005], [8.0, 9.0, 3.995]]), plain);
     }
 
     #[test]

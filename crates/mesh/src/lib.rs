@@ -9,6 +9,8 @@
 //! * [`shape`]: shape functions and their gradients.
 //! * [`quadrature`]: Gauss rules.
 //! * [`mesh`]: the [`Mesh`] itself.
+//! * [`Mesh::volume_within`]: the share of a body in a box.
+//! * [`Mesh::scaled_jacobians`]: how well elements are shaped.
 //! * [`grading`]: element sizes along an axis, small at re-entrant edges.
 //! * [`lattice`]: structured hexahedra or tetrahedra on a tensor-product grid from which cells are left out.
 //! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
@@ -25,9 +27,12 @@ mod matrix;
 pub mod mesh;
 mod polynomial;
 pub mod quadrature;
+mod quality;
 pub mod shape;
+mod shares;
+mod volume_within;
 
-pub use actuator::{Actuator, Channel, GeometryError, Part, build_actuator};
+pub use actuator::{Actuator, Channel, Cuts, GeometryError, Part, build_actuator, build_actuator_with};
 pub use element::ElementKind;
 pub use face::{FaceKind, Outline};
 pub use family::ReferenceBody;

@@ -111,10 +111,15 @@ impl Mesh {
 
     /// Volume of the solid in mm³, by the quadrature of the element family.
     pub fn volume(&self) -> f64 {
+        self.volume_of(0..self.num_elements() as u32)
+    }
+
+    /// The same of some elements.
+    pub fn volume_of(&self, elements: impl IntoIterator<Item = u32>) -> f64 {
         let rule = (self.kind.volume_rule)().into_iter();
         let rule: Vec<_> = rule.map(|(xi, w)| (shape::tabulate(self.kind, xi).1, w)).collect();
-        (0..self.num_elements())
-            .flat_map(|e| rule.iter().map(move |(gradients, w)| (e, gradients, w)))
+        (elements.into_iter())
+            .flat_map(|e| rule.iter().map(move |(gradients, w)| (e as usize, gradients, w)))
             .map(|(e, gradients, w)| w * determinant(&self.jacobian(e, gradients)))
             .sum()
     }

@@ -1,14 +1,12 @@
 //! The case file of an actuator, with defaults and range checks.
 
-use std::collections::BTreeSet;
-
 use pneuflex_mesh::Actuator;
 use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
 use crate::number::rounded;
 use crate::obstacle_table::{self, ObstacleTable};
-use crate::options::{Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
+use crate::options::{self, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
 use crate::range_check::{CaseError, Problems};
 
 /// A whole case file.
@@ -59,18 +57,7 @@ impl Case {
     /// Every key whose value is out of range, table by table.
     pub fn problems(&self) -> Vec<CaseError> {
         let mut found = Problems(self.actuator.problems().into_iter().map(CaseError::from).collect());
-        let smallest = self.mesh.size.iter().flat_map(|size| size.per_axis()).min_by(f64::total_cmp);
-        let largest = self.mesh.size.iter().flat_map(|size| size.per_axis()).max_by(f64::total_cmp);
-        // One of them is out of range if any is; a NaN is the largest or the smallest of all.
-        if let Some(bad) = [smallest, largest].into_iter().flatten().find(|h| !(h.is_finite() && *h > 0.0)) {
-            found.unless_positive("mesh.size", bad, " mm");
-        }
-        if let Some(edge) = self.mesh.edge_size {
-            found.unless_positive("mesh.edge_size", edge, " mm");
-        }
-        if let Some(n) = self.mesh.wall_elements.filter(|n| !(1..=1000).contains(n)) {
-            found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
-        }
+        self.mesh.check(&mut found);
         found.0.extend(self.material.problems("material"));
         found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
         if let Some(tolerance) = self.contact.penetration_tolerance {
@@ -107,16 +94,7 @@ impl Case {
             let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
             found.add("load.pressure_kpa", pressures, allowed);
         }
-        let mut names = BTreeSet::new();
-        for (i, probe) in self.probes.iter().enumerate() {
-            if probe.name.is_empty() || !names.insert(&probe.name) {
-                let allowed = "must be non-empty and different for every probe";
-                found.add(&format!("probe[{i}].name"), &probe.name, allowed);
-            }
-            if !probe.at.iter().all(|x| x.is_finite()) {
-                found.add(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
-            }
-        }
+        options::check_probes(&self.probes, found);
     }
 }
 
@@ -189,7 +167,7 @@ impl Default for WrittenContact {
 impl From<Written> for Case {
     fn from(written: Written) -> Self {
         let Written { title, actuator, mesh, material, contact, mut obstacles, load, probes, solver, output } = written;
-        let stiffness = contact.stiffness.unwrap_or_else(|| default_stiffness(material.shear_modulus(), &actuator));
+        let stiffness = contact.stiffness.unwrap_or_else(|| Contact::of_actuator(&material, &actuator).stiffness);
         let min_step = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
         let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
         let (first_step, max_step) = (first_step_kpa, max_step_kpa);
@@ -214,33 +192,10 @@ impl From<Written> for Case {
     }
 }
 
-/// Penalty stiffness, N/mm³: the paper's 4 for its material and walls of 1 mm, in proportion to the shear modulus over the thinnest
-/// wall's thickness. Walls pressed together by the air then sink into each other by the same share of their thickness.
-fn default_stiffness(shear_modulus: f64, actuator: &Actuator) -> f64 {
-    let (paper, wall) = (Contact::default().stiffness, actuator.thinnest_wall());
-    if !(shear_modulus > 0.0 && shear_modulus.is_finite() && wall > 0.0) {
-        return paper;
-    }
-    let half = 0.5 * Material::default().shear_modulus();
-    rounded(paper * (0.5 * shear_modulus) / half / wall)
-}
-
 /// Smallest load step, kPa: small beside the pressures of soft materials, too.
 fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
     let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
     let default = Solver::default().min_step;
     let small = if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default };
     if max_step_kpa > 0.0 { small.min(max_step_kpa) } else { small }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_papers_material_gives_the_papers_numbers_and_others_scale() {
-        assert_eq!(default_stiffness(0.5424, &Actuator::full()), 4.0);
-        let thick = Actuator { top_wall: 2.0, side_wall: 2.0, cavity_length: 4.0, ..Actuator::full() };
-        assert_eq!(default_stiffness(1.0848, &thick), 4.0);
-    }
 }

@@ -87,6 +87,19 @@ impl Law {
         }
     }
 
+    /// Whether some stretch may be reached beyond which more strain takes less stress: not if every term of the energy is convex.
+    pub fn may_give_way(&self) -> bool {
+        match self {
+            Self::NeoHooke { .. } => false,
+            Self::Yeoh { c20, c30, .. } => *c20 < 0.0 || *c30 < 0.0,
+            // The product of two convex functions need not be convex.
+            Self::Polynomial { c10, c01, c20, c11, c02 } => {
+                *c11 != 0.0 || [c10, c01, c20, c02].into_iter().any(|c| *c < 0.0)
+            }
+            Self::Ogden { terms } => terms.iter().any(|term| term.mu < 0.0),
+        }
+    }
+
     /// C₁₀, C₂₀, C₃₀ of a law that is a polynomial of the first invariant alone: Yeoh and neo-Hooke.
     pub fn reduced_polynomial(&self) -> Option<[f64; 3]> {
         match *self {

@@ -8,12 +8,14 @@
 //! * [`load`]: what acts on a body, as functions of the load parameter.
 //! * [`quantity`]: the load parameter, pressures.
 //! * [`obstacle`]: rigid bodies that a deformable one may touch.
+//! * [`symmetry`]: planes at which the body is cut.
 //! * [`problem`]: what a solver needs: mesh, materials, supports, cavities, loads, contact pairs. Both the production
 //!   path and the reference solver start from a [`Problem`], and share nothing else.
 //!
 //! Units: mm, N, MPa; contact stiffness N/mm³; pressures in a case file in kPa.
 
 pub mod case;
+mod contact_stiffness;
 pub mod formulation;
 pub mod law;
 pub mod load;
@@ -27,7 +29,10 @@ pub mod problem;
 pub mod quantity;
 pub mod range_check;
 mod series;
+pub mod symmetry;
+mod symmetry_check;
 mod units;
+mod whole;
 
 pub use case::Case;
 pub use formulation::Formulation;
@@ -41,4 +46,6 @@ pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
 pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;
+pub use symmetry::{NoSymmetry, SymmetryPlane};
+pub use symmetry_check::{Asymmetry, BoxSide, ProblemPart};
 pub use units::MPA_PER_KPA;

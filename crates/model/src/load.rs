@@ -50,11 +50,11 @@ pub struct Gas {
 /// A load that is not a cavity's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Load {
-    /// The same force on every node of a list, N.
+    /// Forces of one direction on nodes, N.
     Force {
-        /// Loaded nodes.
-        nodes: Vec<u32>,
-        /// Force on each, N.
+        /// Loaded nodes, each with the factor of its force.
+        nodes: Vec<(u32, f64)>,
+        /// Force on a node whose factor is 1, N.
         force: [f64; 3],
         /// Factor along the load path.
         curve: Curve,

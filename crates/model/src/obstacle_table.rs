@@ -1,12 +1,11 @@
 //! `[[obstacle]]` of case and model files: shapes with the keys they need.
 
-use std::collections::BTreeSet;
-
 use pneuflex_mesh::Facet;
 use serde::{Deserialize, Serialize};
 
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
+use crate::options::check_names;
 use crate::range_check::{CaseError, Problems};
 use crate::series::Series;
 
@@ -104,6 +103,14 @@ impl ObstacleTable {
         })
     }
 
+    /// Key and value of its position.
+    pub(crate) fn position(&self) -> (&'static str, [f64; 3]) {
+        match self.shape {
+            ShapeName::Plane | ShapeName::Cylinder => ("point", self.point.unwrap_or_default()),
+            ShapeName::Sphere | ShapeName::Cuboid => ("centre", self.centre.unwrap_or_default()),
+        }
+    }
+
     /// The obstacle for some faces; `None` if its shape lacks something.
     pub fn obstacle(&self, facets: Vec<Facet>, stiffness: f64, motion: Option<Motion>) -> Option<Obstacle> {
         let stiffness = self.stiffness.unwrap_or(stiffness);
@@ -114,12 +121,8 @@ impl ObstacleTable {
 
 /// Finds what is missing, superfluous or out of range.
 pub(crate) fn check(tables: &[ObstacleTable], found: &mut Problems) {
-    let mut names = BTreeSet::new();
+    check_names("obstacle", tables.iter().map(|table| &table.name), found);
     for (i, table) in tables.iter().enumerate() {
-        if table.name.is_empty() || !names.insert(&table.name) {
-            let allowed = "must be non-empty and different for every obstacle";
-            found.add(&format!("obstacle[{i}].name"), &table.name, allowed);
-        }
         check_keys(i, table, found);
         check_values(i, table, found);
     }

@@ -1,5 +1,6 @@
 //! Tables that case files and model files share, and what they are made of: mesh, contact, loads, probes, solver, output.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use pneuflex_mesh::{Actuator, MeshSize};
@@ -8,7 +9,7 @@ use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::formulation::Formulation;
-use crate::range_check::Problems;
+use crate::range_check::{CaseError, Problems};
 
 /// Mesh size and element formulation. A resolution sets all of them; keys given beside it win.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -242,6 +243,56 @@ impl MeshOptions {
         };
         let size = self.size.map_or(preset.size, Size::per_axis);
         MeshSize { size, edge, wall_elements: self.wall_elements.unwrap_or(preset.wall_elements), ..preset }
+    }
+}
+
+impl MeshOptions {
+    pub(crate) fn check(&self, found: &mut Problems) {
+        // One of them is out of range if any is; a NaN is the largest or the smallest of all.
+        let sizes: Vec<f64> = self.size.iter().flat_map(|size| size.per_axis()).collect();
+        if let Some(bad) = sizes.into_iter().find(|h| !(h.is_finite() && *h > 0.0)) {
+            found.unless_positive("mesh.size", bad, " mm");
+        }
+        if let Some(edge) = self.edge_size {
+            found.unless_positive("mesh.edge_size", edge, " mm");
+        }
+        if let Some(n) = self.wall_elements.filter(|n| !(1..=1000).contains(n)) {
+            found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
+        }
+    }
+
+    /// Complains about every key that is given, where there is nothing to be meshed.
+    pub(crate) fn check_absent(&self, found: &mut Problems) {
+        let given = [
+            ("resolution", self.resolution.is_some()),
+            ("size", self.size.is_some()),
+            ("edge_size", self.edge_size.is_some()),
+            ("wall_elements", self.wall_elements.is_some()),
+            ("element", self.element.is_some()),
+        ];
+        for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+            let allowed =
+                "is for an [actuator], which is meshed here: the elements of an imported body are those of its file";
+            found.0.push(CaseError { key: format!("mesh.{key}"), value: "something".into(), allowed: allowed.into() });
+        }
+    }
+}
+
+/// Names under which results are kept: none may hide another.
+pub(crate) fn check_names<'a>(what: &str, names: impl IntoIterator<Item = &'a String>, found: &mut Problems) {
+    let mut known = BTreeSet::new();
+    for (i, name) in names.into_iter().enumerate() {
+        if name.is_empty() || !known.insert(name) {
+            let allowed = format!("must be non-empty and different for every {what}");
+            found.add(&format!("{what}[{i}].name"), name, &allowed);
+        }
+    }
+}
+
+pub(crate) fn check_probes(probes: &[Probe], found: &mut Problems) {
+    check_names("probe", probes.iter().map(|probe| &probe.name), found);
+    for (i, probe) in probes.iter().enumerate().filter(|(_, probe)| !probe.at.iter().all(|x| x.is_finite())) {
+        found.add(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
     }
 }
 

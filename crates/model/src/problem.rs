@@ -13,6 +13,8 @@ use crate::obstacle::Obstacle;
 use crate::options::{Contact, ContactMethod};
 use crate::quantity::LoadParameter;
 use crate::range_check::CaseError;
+use crate::symmetry::SymmetryPlane;
+use crate::symmetry_check::{ProblemPart, WHOLE_ACTUATOR};
 use crate::units::MPA_PER_KPA;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
@@ -40,6 +42,8 @@ pub struct Problem {
     pub contact_pairs: Vec<ContactPair>,
     /// Rigid bodies that may be touched.
     pub obstacles: Vec<Obstacle>,
+    /// Planes of symmetry at which it is cut; what lies beyond is the mirror image.
+    pub symmetry: Vec<SymmetryPlane>,
     /// What the load parameter counts.
     pub clock: Clock,
 }
@@ -152,6 +156,7 @@ impl Problem {
             contact: Contact { method: ContactMethod::None, ..Contact::default() },
             contact_pairs: Vec::new(),
             obstacles: Vec::new(),
+            symmetry: Vec::new(),
             clock: Clock::Pressure,
         }
     }
@@ -186,6 +191,13 @@ impl Problem {
             table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None)
         });
         problem.obstacles = obstacles.collect();
+        for asymmetry in problem.asymmetries() {
+            // Nothing else of a case file can break its plane of symmetry.
+            if let (false, ProblemPart::Obstacle(number)) = (asymmetry.is_twofold, asymmetry.part) {
+                let (name, at) = case.obstacles[number].position();
+                return Err(asymmetry.refusal(format!("obstacle[{number}].{name}"), format!("{at:?}"), WHOLE_ACTUATOR));
+            }
+        }
         Ok(problem)
     }
 
@@ -201,15 +213,30 @@ impl Problem {
         contact: Contact,
     ) -> Result<Self, pneuflex_mesh::GeometryError> {
         let mesh = build_actuator(actuator, size, formulation.element_kind())?;
+        let mut problem = Self::of_actuator_mesh(actuator.chambers, mesh, formulation, material, contact);
+        let cavity = problem.mesh.facet_set("cavity").to_vec();
+        problem.inflate("cavity", cavity);
+        Ok(problem)
+    }
+
+    /// The same from the mesh of an actuator with a number of chambers, and without air.
+    pub fn of_actuator_mesh(
+        chambers: usize,
+        mesh: Mesh,
+        formulation: Formulation,
+        material: Material,
+        contact: Contact,
+    ) -> Self {
         let support = |name: &str, axes| {
             let nodes = mesh.node_set(name).to_vec();
             Support { name: name.into(), nodes, axes, motion: None }
         };
-        let mut supports = vec![support("clamp", [true; 3])];
+        let (mut supports, mut symmetry) = (vec![support("clamp", [true; 3])], Vec::new());
         if !mesh.node_set("symmetry").is_empty() {
+            symmetry.push(SymmetryPlane { axis: 1, at: 0.0, support: supports.len() });
             supports.push(support("symmetry", [false, true, false]));
         }
-        let mut contact_pairs: Vec<ContactPair> = (1..actuator.chambers)
+        let mut contact_pairs: Vec<ContactPair> = (1..chambers)
             .map(|i| {
                 let [left, right] = ["left", "right"].map(|side| mesh.facet_set(&format!("gap_{i}_{side}")).to_vec());
                 ContactPair { is_two_pass: contact.two_pass, ..ContactPair::new(format!("gap_{i}"), left, right) }
@@ -218,10 +245,7 @@ impl Problem {
         if contact.self_contact {
             contact_pairs.push(outer_surface(&mesh, &contact_pairs));
         }
-        let cavity = mesh.facet_set("cavity").to_vec();
-        let mut problem = Self { supports, contact, contact_pairs, ..Self::body(mesh, formulation, material) };
-        problem.inflate("cavity", cavity);
-        Ok(problem)
+        Self { supports, symmetry, contact, contact_pairs, ..Self::body(mesh, formulation, material) }
     }
 
     /// Materials, that of the elements without region first, and for every element the index of its own.

@@ -3,12 +3,14 @@
 //! A path remembers more than its equilibrium: the next step is predicted with the factor of a tangent that was assembled one or more
 //! corrections before. That factor is not stored but made again, from the displacement and the carried stresses it came from.
 
-use pneuflex_model::LoadParameter;
+use pneuflex_model::{LoadParameter, Problem};
 use serde::{Deserialize, Serialize};
 
-use crate::error::Misfit;
-use crate::history::Augmentation;
+use crate::contributions::CavityPressures;
+use crate::error::{Misfit, SetupError};
+use crate::history::{Augmentation, ConvergedState};
 use crate::linearisation::Linearisation;
+use crate::state::State;
 use crate::timing::Timing;
 use crate::unstable_motion::UnstableMotions;
 
@@ -68,6 +70,26 @@ pub struct Approach {
 }
 
 impl Checkpoint {
+    /// The equilibrium as data: one on the way to a requested position is solved well enough to go on from, not to the tolerances asked for.
+    ///
+    /// # Errors
+    /// [`SetupError::Cavity`] for a cavity that is open and must not be.
+    pub fn equilibrium(&self, problem: &Problem) -> Result<ConvergedState, SetupError> {
+        let state = State::new(self.parameter, self.displacement.clone(), self.bordered.clone());
+        Ok(ConvergedState {
+            parameter: self.parameter,
+            reaction: self.multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
+            iterations: self.iterations.saturating_sub(self.approach.iterations_before),
+            load_steps: self.approach.load_steps,
+            contact_points: self.contact_points,
+            cavity_pressures: CavityPressures::of(problem)?.at(&state),
+            contact_multipliers: self.contact_multipliers.clone(),
+            augmentation: self.augmentation.clone(),
+            displacement: state.displacement,
+            mesh_motions: self.mesh_motions,
+        })
+    }
+
     /// Checks that every list has the length that a problem asks for and every number is finite.
     ///
     /// # Errors

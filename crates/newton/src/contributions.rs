@@ -3,17 +3,20 @@
 use pneuflex_assembly::cavity::{PressurisedFaces, Supply};
 use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Equations, Solid};
 use pneuflex_model::load::Load;
-use pneuflex_model::{Pressure, Problem};
+use pneuflex_model::{LinearEquation, Pressure, Problem};
 
 use crate::error::SetupError;
 use crate::state::State;
 
 /// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations, contact. A new
-/// kind of contribution is added here.
+/// kind of contribution is added here. `equations` are the linear equations that have not been eliminated.
 ///
 /// # Errors
 /// [`SetupError`] if an element is degenerate, or the volume of an open cavity matters.
-pub fn contributions_of(problem: &Problem) -> Result<Vec<Box<dyn Contribution>>, SetupError> {
+pub fn contributions_of(
+    problem: &Problem,
+    equations: &[LinearEquation],
+) -> Result<Vec<Box<dyn Contribution>>, SetupError> {
     let (materials, material_of) = problem.materials();
     let solid = Solid::of_materials(problem.mesh.clone(), problem.formulation, &materials, material_of)?;
     let mut list: Vec<Box<dyn Contribution>> = vec![Box::new(solid)];
@@ -26,7 +29,7 @@ pub fn contributions_of(problem: &Problem) -> Result<Vec<Box<dyn Contribution>>,
         }
     }
     list.push(Box::new(ConservativeLoads::of(problem)));
-    list.push(Box::new(Equations::of(problem)));
+    list.push(Box::new(Equations::of(problem, equations)));
     list.push(Box::new(ContactForces::of(problem)));
     Ok(list)
 }

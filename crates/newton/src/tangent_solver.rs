@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_assembly::{BorderedEquation, Couplings};
+use pneuflex_assembly::{BorderedEquation, Couplings, Elimination};
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Parallelism, Symbolic, gmres, multiply};
 
 use crate::bordered;
@@ -30,7 +30,9 @@ pub struct Tangent {
     buffers: Buffers,
     /// Unsymmetric part.
     couplings: Couplings,
+    /// For every degree of freedom whether there is no equation for it: it is held, or follows others.
     held: Arc<[bool]>,
+    elimination: Arc<Elimination>,
     negative_pivots: usize,
     linearisation: Linearisation,
 }
@@ -63,14 +65,14 @@ impl Tangent {
     pub(crate) fn new(
         pattern: Arc<BlockPattern>,
         mut buffers: Buffers,
-        (couplings, held): (Couplings, Arc<[bool]>),
+        (couplings, (held, elimination)): (Couplings, (Arc<[bool]>, Arc<Elimination>)),
         linearisation: Linearisation,
         parallelism: Parallelism,
     ) -> Result<Self, Box<(FactorError, Buffers)>> {
         match buffers.factor.factorize(&buffers.values, &held, parallelism) {
             Ok(inertia) => {
                 let negative_pivots = inertia.negative;
-                Ok(Self { pattern, buffers, couplings, held, negative_pivots, linearisation })
+                Ok(Self { pattern, buffers, couplings, held, elimination, negative_pivots, linearisation })
             }
             Err(error) => Err(Box::new((error, buffers))),
         }
@@ -134,8 +136,7 @@ impl Tangent {
             let apply = |vector: &[f64]| {
                 let free = |(x, held): (&f64, &bool)| if *held { 0.0 } else { *x };
                 let moved: Vec<f64> = vector.iter().zip(self.held.iter()).map(free).collect();
-                let mut forces = vec![0.0; vector.len()];
-                self.couplings.add_product(&moved, &mut forces);
+                let mut forces = self.unsymmetric_product(&moved);
                 forces = forces.iter().zip(self.held.iter()).map(free).collect();
                 self.buffers.factor.solve_in_place(&mut forces, 1)?;
                 Ok::<_, FactorError>(vector.iter().zip(forces).map(|(x, y)| x + y).collect())
@@ -150,8 +151,20 @@ impl Tangent {
     fn product(&self, vector: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut product = vec![0.0; vector.len()];
         multiply::<3>(&self.pattern, &self.buffers.values, vector, &mut product)?;
-        self.couplings.add_product(vector, &mut product);
+        if !self.couplings.is_empty() {
+            product.iter_mut().zip(self.unsymmetric_product(vector)).for_each(|(force, more)| *force += more);
+        }
         Ok(product)
+    }
+
+    /// The unsymmetric part of K times a vector.
+    fn unsymmetric_product(&self, vector: &[f64]) -> Vec<f64> {
+        let mut displacement = vector.as_chunks().0.to_vec();
+        self.elimination.expand(&mut displacement);
+        let mut forces = vec![0.0; vector.len()];
+        self.couplings.add_product(displacement.as_flattened(), &mut forces);
+        self.elimination.condense(&mut forces);
+        forces
     }
 
     /// Correction from K δu + B δy = −r and the equations of the unknowns δy beside the displacements.
@@ -194,7 +207,8 @@ impl Tangent {
         let mut rhs: Vec<f64> = residual.iter().zip(self.held.iter()).map(free).collect();
         if let Some(prescribed) = prescribed {
             let imposed = prescribed.as_flattened().iter().zip(self.held.iter());
-            let imposed: Vec<f64> = imposed.map(|(x, held)| if *held { *x } else { 0.0 }).collect();
+            let mut imposed: Vec<f64> = imposed.map(|(x, held)| if *held { *x } else { 0.0 }).collect();
+            self.elimination.slaves().for_each(|slave| imposed[slave] = 0.0);
             let product = self.product(&imposed)?;
             for i in 0..rhs.len() {
                 rhs[i] = if self.held[i] { imposed[i] } else { rhs[i] - product[i] };

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pneuflex_assembly::{
-    BorderedEquation, BoundaryTerm, Contribution, Couplings, LocalBlock, LocalContribution, LocalError, Position,
-    Request,
+    BorderedEquation, BoundaryTerm, Contribution, Couplings, Elimination, LocalBlock, LocalContribution, LocalError,
+    Position, Request,
 };
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
@@ -62,7 +62,8 @@ impl Springs {
     pub fn system(self, mesh: &Arc<Mesh>) -> System {
         let mut held = vec![false; 3 * mesh.num_nodes()];
         held[..3].fill(true);
-        System::with_contributions(mesh, held, vec![Box::new(self)], Parallelism::Serial).unwrap()
+        let constraints = (held, Elimination::default());
+        System::with_contributions(mesh, constraints, vec![Box::new(self)], Parallelism::Serial).unwrap()
     }
 }
 

@@ -3,16 +3,16 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use pneuflex_mesh::Actuator;
+use pneuflex_mesh::{Actuator, build_actuator_with};
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, LoadParameter, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, Contact, LoadParameter, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
-use pneuflex_post::contact;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
 use crate::body_file::read_body;
+use crate::caution::cautions;
 use crate::derived;
-use crate::diagnosis::{Warning, warnings};
+use crate::diagnosis::{Subject, Warning, warnings};
 use crate::document::CaseFile;
 use crate::error::Error;
 use crate::files::{Files, INPUT};
@@ -20,11 +20,9 @@ use crate::holding;
 use crate::input_error::InputError;
 use crate::memory::Estimate;
 use crate::recorded_mesh::{self, RecordedMesh};
+use crate::refusals::refusals;
 use crate::store::Store;
 use crate::vocabulary::Vocabulary;
-
-/// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
-const MOST_OVERLAP: f64 = 1e-9;
 
 /// Whether a body of a size may be built, and what to warn of.
 pub type Guard<'a> = &'a dyn Fn(Estimate) -> Result<Option<String>, InputError>;
@@ -78,8 +76,9 @@ impl Analysis {
     pub(crate) fn of_case_file(file: &CaseFile, guard: Guard<'_>) -> Result<Self, Vec<InputError>> {
         let warning = guard(Estimate::of(&file.case))?;
         let problem = Problem::from_case(&file.case).map_err(|e| file.out_of_range(&e))?;
-        if let Some(overlap) = overlap(&problem) {
-            return Err(file.out_of_range(&overlap).into());
+        let refused = refusals(&problem, &file.case.probes);
+        if !refused.is_empty() {
+            return Err(refused.iter().map(|error| file.out_of_range(error)).collect());
         }
         let notes = warning.into_iter().map(|warning| format!("warning: {warning}")).collect();
         Self { notes, ..Self::of_case(file.path(), file.case.clone(), problem) }.held()
@@ -114,7 +113,7 @@ impl Analysis {
             (Some(source), _) => {
                 let body = path.parent().unwrap_or(Path::new("")).join(&source.file);
                 let read = read_body(store, &body, source)?;
-                let warning = guard(Estimate::of_body(&read.problem.mesh))?;
+                let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))?;
                 notes.extend(read.notes);
                 if title.is_empty() {
                     title = read.title;
@@ -126,9 +125,11 @@ impl Analysis {
                 let formulation = model.mesh.formulation();
                 let size = model.mesh.mesh_size(actuator);
                 let material = model.material.clone().unwrap_or_default();
-                let warning = guard(Estimate::of_actuator(actuator, formulation.element_kind(), &size))?;
-                let problem = Problem::from_actuator(actuator, &size, formulation, material, Default::default());
-                (problem.map_err(|error| say(error.into()))?, warning)
+                let (kind, cuts) = (formulation.element_kind(), model.cuts());
+                let warning = guard(Estimate::of_actuator(actuator, kind, &size, &cuts))?;
+                let mesh = build_actuator_with(actuator, &size, kind, &cuts).map_err(|error| say(error.into()))?;
+                let contact = Contact::of_actuator(&material, actuator);
+                (Problem::of_actuator_mesh(actuator.chambers, mesh, formulation, material, contact), warning)
             }
             // The ranges of a model file ask for one of them.
             (None, None) => {
@@ -165,8 +166,9 @@ impl Analysis {
         schedule: Option<(&[f64], f64)>,
     ) -> Result<Self, Vec<CaseError>> {
         let study = model.study(body, schedule)?;
-        if let Some(overlap) = overlap(&study.problem) {
-            return Err(vec![overlap]);
+        let refused = refusals(&study.problem, &model.probes);
+        if !refused.is_empty() {
+            return Err(refused);
         }
         Ok(Self {
             title: model.title.clone(),
@@ -186,17 +188,26 @@ impl Analysis {
         let mesh = &self.problem.mesh;
         match &self.description {
             Description::Actuator(case) => Estimate::of_mesh(case, mesh.num_elements(), self.problem.num_unknowns()),
-            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh),
+            Description::Model(..) | Description::Body(_) => Estimate::of_body(mesh, &self.problem.equations),
         }
     }
 
     /// What to be careful about in results of this analysis.
     pub fn warnings(&self, states: &[StepSummary]) -> Vec<Warning> {
-        let case = match &self.description {
-            Description::Actuator(case) => Some(&**case),
-            Description::Model(..) | Description::Body(_) => None,
+        let (mesh, contact) = match &self.description {
+            Description::Actuator(case) => (&case.mesh, Some(&case.contact)),
+            Description::Model(model, _) | Description::Body(model) => (&model.mesh, None),
         };
-        warnings(self.problem.clock, case, states)
+        let actuator = self.actuator().map(|actuator| (actuator, mesh));
+        let mut found = self.cautions();
+        found.extend(warnings(Subject { problem: &self.problem, actuator, contact }, states));
+        found
+    }
+
+    /// The part of these that is known before anything is solved.
+    pub fn cautions(&self) -> Vec<Warning> {
+        let end = self.requested.last().copied().unwrap_or_default();
+        cautions(&self.problem, end, self.description.model(), self.actuator().is_some(), &self.probes)
     }
 
     /// Everything that can be derived from an equilibrium of this analysis: the summary, stresses, what the contact carries.
@@ -218,6 +229,13 @@ impl Analysis {
             Description::Actuator(case) => Some(&case.actuator),
             Description::Model(model, _) | Description::Body(model) => model.actuator.as_ref(),
         }
+    }
+
+    /// What is modelled of the whole body: `whole`, `half`, `quarter` or `eighth`; `None` for a deck or mesh without a declared plane of
+    /// symmetry, of which nobody knows.
+    pub fn modelled_part(&self) -> Option<&'static str> {
+        let is_known = self.actuator().is_some() || !self.problem.symmetry.is_empty();
+        is_known.then(|| self.problem.modelled_part())
     }
 
     /// The text of the resolved case, with every default; a model's refers to the copies of its files in a result folder.
@@ -253,16 +271,4 @@ impl Analysis {
             }
         }
     }
-}
-
-/// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
-fn overlap(problem: &Problem) -> Option<CaseError> {
-    if problem.obstacles.is_empty() {
-        return None;
-    }
-    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
-    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
-    let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
-    let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
-    Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
 }

@@ -140,14 +140,28 @@ impl Body {
     /// Holds a set of nodes, or the nodes of a set of faces, along axes such as `"xyz"` or `"y"`.
     pub fn hold(&mut self, nodes: &str, axes: &str) -> &mut Self {
         let (nodes, axes) = (nodes.to_owned(), axes.to_owned());
-        self.model.supports.push(SupportTable { nodes, axes, displacement: None, factor: None });
+        self.model.supports.push(SupportTable { nodes, axes, displacement: None, factor: None, symmetry: false });
+        self
+    }
+
+    /// Says that the body is cut by a plane of symmetry normal to an axis (`"x"`, `"y"` or `"z"`), in which a set of nodes, or the nodes of
+    /// a set of faces, lie: they are held along that axis, and results are those of the whole body.
+    pub fn symmetry(&mut self, nodes: &str, axis: &str) -> &mut Self {
+        let (nodes, axes) = (nodes.to_owned(), axis.to_owned());
+        self.model.supports.push(SupportTable { nodes, axes, displacement: None, factor: None, symmetry: true });
         self
     }
 
     /// Moves a set of nodes along axes, by `displacement` (mm) at the last time.
     pub fn displace(&mut self, nodes: &str, axes: &str, displacement: [f64; 3]) -> &mut Self {
         let (nodes, axes) = (nodes.to_owned(), axes.to_owned());
-        self.model.supports.push(SupportTable { nodes, axes, displacement: Some(displacement), factor: None });
+        self.model.supports.push(SupportTable {
+            nodes,
+            axes,
+            displacement: Some(displacement),
+            factor: None,
+            symmetry: false,
+        });
         self
     }
 

@@ -3,6 +3,7 @@
 use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_newton::Checkpoint;
 use pneuflex_post::summary::StepSummary;
+use pneuflex_report::summary::FORMAT;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -11,6 +12,7 @@ use crate::error::ResultsError;
 use crate::files::{Files, INPUT, included_name};
 use crate::folder::OutputFolder;
 use crate::input_error::{InputError, InputErrorKind};
+use crate::on_the_way::OnTheWay;
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
@@ -24,6 +26,8 @@ pub struct Recorded {
     pub history_bytes: u64,
     /// Seconds spent on derived quantities and files.
     pub output_s: f64,
+    /// States on the way to the next requested position.
+    pub(crate) on_the_way: OnTheWay,
 }
 
 /// Where a run begins that goes on with what a folder holds.
@@ -41,6 +45,7 @@ pub enum Start {
 #[derive(Serialize)]
 struct Stored<'a> {
     version: &'a str,
+    format: u32,
     recorded: &'a Recorded,
     path: &'a Checkpoint,
 }
@@ -48,6 +53,9 @@ struct Stored<'a> {
 #[derive(Deserialize)]
 struct Loaded {
     version: String,
+    /// That of `summary.json`, whose numbers it holds.
+    #[serde(default)]
+    format: u32,
     recorded: Recorded,
     path: Checkpoint,
 }
@@ -57,7 +65,7 @@ struct Loaded {
 /// # Errors
 /// The file cannot be written.
 pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), ResultsError> {
-    let stored = Stored { version: env!("CARGO_PKG_VERSION"), recorded, path };
+    let stored = Stored { version: env!("CARGO_PKG_VERSION"), format: FORMAT, recorded, path };
     folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| ResultsError::not_representable(FILE, e))?)
 }
 
@@ -85,7 +93,7 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if let Some(files) = analysis.files()? {
         changes.extend(changed_files(folder, &files));
     }
-    let reached = reached(folder);
+    let reached = reached(folder).map_err(again)?;
     if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied()) {
         return Ok(Start::Complete(reached));
     }
@@ -102,6 +110,9 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     };
     let loaded: Loaded =
         rmp_serde::from_slice(&bytes).map_err(|_| again(format!("{FILE} is damaged, or another version's")))?;
+    if loaded.format != FORMAT {
+        return Err(again(format!("{FILE} has the format {} instead of {FORMAT}", loaded.format)));
+    }
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
@@ -143,13 +154,18 @@ fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String
     (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
 }
 
-/// What `summary.json` says of the times that were reached.
-fn reached(folder: &OutputFolder) -> Vec<StepSummary> {
+/// What `summary.json` says of the times that were reached, or why its numbers mean something else.
+fn reached(folder: &OutputFolder) -> Result<Vec<StepSummary>, String> {
     let mut summary: serde_json::Value =
         serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
-    let Some(steps) = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut) else { return Vec::new() };
-    let converged = steps.drain(..).filter(|step| step["converged"] == true);
-    converged.filter_map(|step| serde_json::from_value(step).ok()).collect()
+    let Some(steps) = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut) else { return Ok(Vec::new()) };
+    let steps = std::mem::take(steps);
+    let format = summary["format"].as_u64().unwrap_or(1);
+    if format != u64::from(FORMAT) && !steps.is_empty() {
+        return Err(format!("its summary.json has the format {format} instead of {FORMAT}"));
+    }
+    let converged = steps.into_iter().filter(|step| step["converged"] == true);
+    Ok(converged.filter_map(|step| serde_json::from_value(step).ok()).collect())
 }
 
 /// Keys of which two cases have different values, each with what it was and is.

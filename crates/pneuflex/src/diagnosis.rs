@@ -1,11 +1,22 @@
 //! What to be careful about in results, in the words of somebody who designs actuators.
 
-use pneuflex_model::{Case, Clock, ContactMethod, Resolution};
+use std::fmt;
+
+use pneuflex_mesh::Actuator;
+use pneuflex_model::{Contact, ContactMethod, MeshOptions, Problem, Resolution};
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
-const PENETRATION_SHARE: f64 = 0.1;
+const PENETRATION_SHARE: f64 = 0.01;
+
+/// An end face that turns by less than this, degrees, and a tip that moves by less than this share of the actuator's length: nobody builds
+/// an actuator for that.
+const LEAST_ANGLE: f64 = 0.5;
+const LEAST_TIP: f64 = 0.01;
+
+/// Share of elements with two opposite faces on the surface of a body from which on it is made of walls of one element.
+const SINGLE_LAYERS: f64 = 0.25;
 
 /// Something to be careful about in results that were reached.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +35,12 @@ pub struct Warning {
     pub advice: String,
 }
 
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "warning: {}\n  what to do: {}", self.message, self.advice)
+    }
+}
+
 /// Kinds of warnings; their names are part of `summary.json`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -38,17 +55,36 @@ pub enum WarningKind {
     CoarseMesh,
     /// Elements are unstable where a finer mesh is not.
     MeshInstability,
+    /// Elements are badly shaped.
+    ElementShape,
+    /// Something stands for two: itself and its mirror image.
+    Symmetry,
+    /// A probe is beside the body.
+    Probe,
+    /// A number looks as if it were in another unit.
+    Units,
 }
 
-/// What to be careful about in results; `case` is that of an actuator.
-pub fn warnings(clock: Clock, case: Option<&Case>, steps: &[StepSummary]) -> Vec<Warning> {
+/// What results are about.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// What was solved.
+    pub problem: &'a Problem,
+    /// Lengths and mesh, if it is an actuator.
+    pub actuator: Option<(&'a Actuator, &'a MeshOptions)>,
+    /// Contact in the gaps as a case file has it.
+    pub contact: Option<&'a Contact>,
+}
+
+/// What to be careful about in results.
+pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     let mut found = Vec::new();
     let mut add = |kind, at: Option<&StepSummary>, message: String, advice: &str| {
         let time = at.and_then(|step| step.time);
         let pressure_kpa = at.filter(|step| step.time.is_none()).map(|step| step.pressure_kpa);
         found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
     };
-    let when = |step: &StepSummary| clock.words(step.when());
+    let when = |step: &StepSummary| subject.problem.clock.words(step.when());
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
@@ -59,50 +95,100 @@ pub fn warnings(clock: Clock, case: Option<&Case>, steps: &[StepSummary]) -> Vec
         let advice = "use quadratic elements or a finer mesh before relying on what lies beyond";
         add(WarningKind::MeshInstability, Some(first), message, advice);
     }
-    let Some(case) = case else { return found };
-    let thinnest = case.actuator.thinnest_wall();
-    let is_deep = |step: &StepSummary| step.contact.max_penetration_mm > PENETRATION_SHARE * thinnest;
-    if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
-        let message = format!(
-            "walls of neighbouring chambers pass through each other by {:.3} mm at {} kPa; the thinnest wall has {thinnest:.3} mm",
-            last.contact.max_penetration_mm, last.pressure_kpa
-        );
-        let advice = match case.contact.method {
-            ContactMethod::None => "contact is switched off: set contact.method to multi-point".into(),
-            ContactMethod::SinglePoint => {
-                "single-point contact lets walls through: set contact.method to multi-point".into()
-            }
-            ContactMethod::MultiPoint => format!("raise contact.stiffness, which is {}", case.contact.stiffness),
-        };
-        add(WarningKind::Penetration, Some(first), message, &advice);
+    if let Some((thickness, of)) = touched_thickness(subject) {
+        let is_deep = |step: &StepSummary| deepest(step) > PENETRATION_SHARE * thickness;
+        if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
+            let message = format!(
+                "what touches passes through each other by {:.3} mm at {}, {:.1} % of {of}, {thickness:.3} mm",
+                deepest(last),
+                when(last),
+                100.0 * deepest(last) / thickness
+            );
+            let is_obstacle = deepest(last) > last.contact.max_penetration_mm;
+            let advice = match subject.contact.map(|contact| (contact.method, contact.stiffness)) {
+                _ if is_obstacle => "raise obstacle.stiffness".into(),
+                None => "raise the stiffness of the contact".into(),
+                Some((ContactMethod::None, _)) => "contact is switched off: set contact.method to multi-point".into(),
+                Some((ContactMethod::SinglePoint, _)) => {
+                    "single-point contact lets walls through: set contact.method to multi-point".into()
+                }
+                Some((ContactMethod::MultiPoint, stiffness)) => {
+                    format!("raise contact.stiffness, which is {stiffness}, or set contact.penetration_tolerance")
+                }
+            };
+            add(WarningKind::Penetration, Some(first), message, &advice);
+        }
     }
     if let (Some(first), _) =
         first_and_last(steps, |step| step.end_face_angle_deg.is_some_and(|angle| angle.abs() > 360.0))
     {
-        let message = "the body has curled through more than a full turn; contact is modelled between neighbouring chambers only, other \
-                       parts may overlap";
+        let message = "the body has curled through more than a full turn; other parts than those between which contact is modelled may \
+                       overlap";
         add(WarningKind::Overlap, Some(first), message.into(), "look at the shape before relying on it");
     }
-    if let Some((message, advice)) = coarse_mesh(case) {
+    if let Some((message, advice)) = coarse_mesh(subject) {
         add(WarningKind::CoarseMesh, None, message, advice);
+    }
+    if let Some((actuator, _)) = subject.actuator
+        && subject.problem.obstacles.is_empty()
+        && let Some(last) = steps.last().filter(|last| hardly_moves(actuator, last))
+    {
+        let message = format!(
+            "the actuator hardly bends: at {} its end face turns by {:.3} degrees",
+            when(last),
+            last.end_face_angle_deg.unwrap_or_default()
+        );
+        let advice =
+            "if that is not what is meant: moduli are in MPa (1 kPa is 0.001), pressures in kPa, lengths in mm";
+        add(WarningKind::Units, Some(last), message, advice);
     }
     found
 }
 
-fn coarse_mesh(case: &Case) -> Option<(String, &'static str)> {
+/// Largest depth of what touches at a state, mm.
+fn deepest(step: &StepSummary) -> f64 {
+    let obstacles = step.obstacles.values().map(|obstacle| obstacle.max_penetration_mm);
+    obstacles.fold(step.contact.max_penetration_mm, f64::max)
+}
+
+/// What depths of penetration are compared with, mm, and what it is: the thinnest wall of an actuator, of other bodies the least thickness
+/// of an element behind a face that may touch something.
+fn touched_thickness(subject: Subject<'_>) -> Option<(f64, &'static str)> {
+    if let Some((actuator, _)) = subject.actuator {
+        return Some((actuator.thinnest_wall(), "the thinnest wall"));
+    }
+    let Problem { mesh, contact_pairs, obstacles, .. } = subject.problem;
+    let pairs = contact_pairs.iter().flat_map(|pair| [&pair.slave, &pair.master]);
+    let facets = pairs.chain(obstacles.iter().map(|obstacle| &obstacle.facets)).flatten();
+    let thickness = facets.map(|&facet| mesh.thickness_behind(facet)).fold(f64::INFINITY, f64::min);
+    (thickness.is_finite() && thickness > 0.0).then_some((thickness, "the thinnest element there"))
+}
+
+/// Whether air in an actuator does next to nothing.
+fn hardly_moves(actuator: &Actuator, step: &StepSummary) -> bool {
+    let length = actuator.length();
+    let tip = step.centreline.last().map_or(f64::INFINITY, |[x, z]| (x - length).hypot(*z));
+    let angle = step.end_face_angle_deg.map_or(f64::INFINITY, f64::abs);
+    step.pressure_kpa > 0.0 && angle < LEAST_ANGLE && tip < LEAST_TIP * length
+}
+
+fn coarse_mesh(subject: Subject<'_>) -> Option<(String, &'static str)> {
     let advice = "use mesh.resolution = \"standard\" or \"fine\" before relying on numbers; `pneuflex converge` gives error bars";
-    let mesh = &case.mesh;
+    let too_stiff = "one linear element across the thinnest wall bends too stiffly: displacements come out several per cent too small";
+    let is_linear = !subject.problem.formulation.element.is_quadratic();
+    let Some((actuator, mesh)) = subject.actuator else {
+        let advice =
+            "divide walls into two elements at least, or take quadratic ones (C3D20, C3D10; second order in Gmsh)";
+        let message = || (too_stiff.replace("the thinnest wall", "a wall"), advice);
+        return (is_linear && subject.problem.mesh.share_of_single_layers() > SINGLE_LAYERS).then(message);
+    };
     if mesh.resolution == Some(Resolution::Draft) && mesh.size.is_none() && mesh.edge_size.is_none() {
         let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
         return Some((message.into(), advice));
     }
-    let is_linear = !mesh.formulation().element.is_quadratic();
-    let size = mesh.mesh_size(&case.actuator);
-    let across = case.actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
-    (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| {
-        let message = "one linear element across the thinnest wall bends too stiffly: displacements come out several per cent too small";
-        (message.into(), advice)
-    })
+    let size = mesh.mesh_size(actuator);
+    let across = actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
+    (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| (too_stiff.into(), advice))
 }
 
 fn first_and_last(
@@ -117,6 +203,7 @@ fn first_and_last(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex_model::Case;
 
     fn case(change: &str) -> Case {
         toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", change)).unwrap()
@@ -126,7 +213,10 @@ mod tests {
     fn meshes_are_warned_about() {
         let kinds = |change: &str| -> Vec<_> {
             let case = case(change);
-            warnings(Clock::Pressure, Some(&case), &[]).into_iter().map(|w| w.kind).collect()
+            let problem = Problem::from_case(&case).unwrap();
+            let actuator = Some((&case.actuator, &case.mesh));
+            let subject = Subject { problem: &problem, actuator, contact: Some(&case.contact) };
+            warnings(subject, &[]).into_iter().map(|w| w.kind).collect()
         };
         assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);
         assert_eq!(kinds("resolution = \"standard\""), []);

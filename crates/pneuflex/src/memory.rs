@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use pneuflex_mesh::{Actuator, ElementKind, Mesh, MeshSize};
-use pneuflex_model::Case;
+use pneuflex_mesh::{Actuator, Cuts, ElementKind, Mesh, MeshSize};
+use pneuflex_model::{Case, Curve, LinearEquation};
 
 use crate::input_error::{InputError, InputErrorKind};
 use crate::words::{count, size};
@@ -44,17 +44,17 @@ impl Estimate {
 
     /// The same for other element sizes than the case's own.
     pub fn of_size(case: &Case, size: &MeshSize) -> Self {
-        Self::of_actuator(&case.actuator, case.mesh.formulation().element_kind(), size)
+        Self::of_actuator(&case.actuator, case.mesh.formulation().element_kind(), size, &Cuts::default())
     }
 
-    /// Estimates an actuator's mesh.
-    pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize) -> Self {
-        let cells = actuator.estimate_cells(size);
+    /// Estimates an actuator's mesh with faces of elements in further planes.
+    pub fn of_actuator(actuator: &Actuator, kind: ElementKind, size: &MeshSize, cuts: &Cuts) -> Self {
+        let cells = actuator.estimate_cells(size, cuts);
         let per_chamber = cells / actuator.chambers as f64;
         let [inside, surface] = kind.lattice.nodes_per_cell;
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
         let elements = cells * kind.lattice.elements as f64;
-        let grid = GRID_BYTES * actuator.estimate_grid(size);
+        let grid = GRID_BYTES * actuator.estimate_grid(size, cuts);
         Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
     }
 
@@ -64,10 +64,19 @@ impl Estimate {
         Self { elements: elements as f64, unknowns: unknowns as f64, bytes }
     }
 
-    /// Estimates a body of any shape that is meshed already: as if it were one chamber.
-    pub fn of_body(mesh: &Mesh) -> Self {
+    /// Estimates a body of any shape that is meshed already, as if it were one chamber, with linear equations between its nodes.
+    ///
+    /// An equation couples its n degrees of freedom with each other, in the tangent, in its factor and while it is formed: half of n² blocks
+    /// of 3 × 3 numbers each time. One with a right-hand side has a column over all nodes as well, and the answer to it.
+    pub fn of_body(mesh: &Mesh, equations: &[LinearEquation]) -> Self {
+        const COUPLING: f64 = 3.0 * 0.5 * 72.0;
         let unknowns = 3.0 * mesh.num_nodes() as f64;
-        Self { elements: mesh.num_elements() as f64, unknowns, bytes: bytes(mesh.kind, 1, unknowns) }
+        let of_equation = |equation: &LinearEquation| {
+            let columns = if equation.value == Curve::ZERO { 0.0 } else { 2.0 };
+            COUPLING * (equation.terms.len() as f64).powi(2) + columns * 8.0 * unknowns
+        };
+        let bytes = bytes(mesh.kind, 1, unknowns) + equations.iter().map(of_equation).sum::<f64>();
+        Self { elements: mesh.num_elements() as f64, unknowns, bytes }
     }
 
     /// Refuses what needs more memory than there is, unless `limit` says otherwise; else returns what to warn of.

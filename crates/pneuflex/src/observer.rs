@@ -59,6 +59,8 @@ pub struct End<'a> {
     pub failure: Option<&'a Failure>,
     /// The same in the words of somebody who designs actuators.
     pub reason: Option<&'a Reason>,
+    /// The last equilibrium of a path that ended early, if it lies between requested positions.
+    pub last: Option<&'a ConvergedState>,
     /// What could not be derived or recorded, for which the path was stopped.
     pub error: Option<&'a ResultsError>,
 }

@@ -3,12 +3,13 @@
 use std::fmt;
 
 use pneuflex_model::load::Load;
-use pneuflex_model::{Case, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape};
+use pneuflex_model::{Case, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape, SymmetryPlane};
 use pneuflex_post::stress::material_limit;
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::{Analysis, Description};
-use crate::words::{plural, size, thousands};
+use crate::caution::{POOR_SHAPE, centre, worst_element};
+use crate::words::{plain, plain_list, plural, size, thousands};
 
 /// What would be solved, as data and as a text.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,10 +100,10 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
         format!(
             "{}, {} mm x {} mm x {} mm, {} model, {:.6} mm3 of solid",
             plural(actuator.chambers, "chamber"),
-            actuator.length(),
-            actuator.width,
-            actuator.height,
-            format!("{:?}", actuator.part).to_lowercase(),
+            plain(actuator.length()),
+            plain(actuator.width),
+            plain(actuator.height),
+            problem.modelled_part(),
             mesh.volume()
         ),
     );
@@ -116,6 +117,10 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
             number(problem.num_unknowns())
         ),
     );
+    rows_of_quality(problem).into_iter().for_each(|text| rows.add("quality", text));
+    if let Some(cut) = symmetry(problem) {
+        rows.add("symmetry", cut);
+    }
     let material = &case.material;
     rows.add(
         "material",
@@ -129,8 +134,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
     );
     if let Some(limit) = material_limit(material) {
         rows.add("", format!("gives way where the invariant exceeds 3 by {limit:.2}"));
-    } else if material.law.reduced_polynomial().is_none() {
-        rows.add("", "whether and where it gives way is not checked for this law".into());
+    } else if material.law.may_give_way() {
+        rows.add("", "it may give way: it is watched whether more strain takes more stress".into());
     }
     for support in &problem.supports {
         let held = axes(support.axes);
@@ -154,13 +159,13 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
             "{method}, {} with {} contact points, {} N/mm3",
             plural(problem.contact_pairs.len(), "gap"),
             number(faces * per_face),
-            case.contact.stiffness
+            plain(case.contact.stiffness)
         ),
     );
     for thing in &problem.obstacles {
         rows.add("obstacle", obstacle(thing));
     }
-    let pressures: Vec<String> = case.load.pressure_kpa.iter().map(f64::to_string).collect();
+    let pressures: Vec<String> = case.load.pressure_kpa.iter().map(|p| plain(*p)).collect();
     let faces = number(problem.cavity_facets().len());
     rows.add("load", format!("{} kPa on {faces} faces", pressures.join(", ")));
     for (name, site) in probe_sites(mesh, &case.probes) {
@@ -174,21 +179,35 @@ fn axes(held: [bool; 3]) -> String {
 }
 
 fn probe(name: &str, site: &ProbeSite) -> String {
-    let [x, y, z] = site.at;
+    let [x, y, z] = site.at.map(plain);
     let far = if site.distance_mm > 1e-9 { format!(", {:.3} mm away", site.distance_mm) } else { String::new() };
     format!("{name}: node {} at ({x}, {y}, {z}){far}", site.node)
+}
+
+/// What is modelled of a body that is cut by planes of symmetry; `None` for a whole one.
+fn symmetry(problem: &Problem) -> Option<String> {
+    let planes: Vec<String> = problem.symmetry.iter().map(SymmetryPlane::words).collect();
+    let words = format!(
+        "{} of the body is modelled, symmetric to {}; loads are those of the {0}, results those of the whole body",
+        problem.modelled_part(),
+        planes.join(", ")
+    );
+    (!planes.is_empty()).then_some(words)
 }
 
 /// What an obstacle is.
 fn obstacle(obstacle: &Obstacle) -> String {
     let shape = match &obstacle.shape {
         Shape::Plane { .. } => "plane".to_owned(),
-        Shape::Sphere { radius, .. } => format!("sphere of radius {radius} mm"),
-        Shape::Cylinder { radius, .. } => format!("cylinder of radius {radius} mm"),
-        Shape::Cuboid { size: [x, y, z], .. } => format!("cuboid, {x} mm x {y} mm x {z} mm"),
+        Shape::Sphere { radius, .. } => format!("sphere of radius {} mm", plain(*radius)),
+        Shape::Cylinder { radius, .. } => format!("cylinder of radius {} mm", plain(*radius)),
+        Shape::Cuboid { size, .. } => {
+            let [x, y, z] = size.map(plain);
+            format!("cuboid, {x} mm x {y} mm x {z} mm")
+        }
     };
     let faces = plural(obstacle.facets.len(), "face");
-    format!("{}: {shape}, {faces} may touch it, {:.4} N/mm3", obstacle.name, obstacle.stiffness)
+    format!("{}: {shape}, {faces} may touch it, {} N/mm3", obstacle.name, plain(obstacle.stiffness))
 }
 
 /// What the parts of a model are.
@@ -208,14 +227,23 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
             mesh.volume()
         ),
     );
+    if let Some(cut) = symmetry(problem) {
+        row("symmetry", cut);
+    }
     let (_, of_element) = problem.materials();
-    let plain = of_element.iter().filter(|region| **region == 0).count();
-    if plain > 0 {
-        row("material", material("", plain, &problem.material));
+    let others = of_element.iter().filter(|region| **region == 0).count();
+    let volume = |region: u16| {
+        let of_region = of_element.iter().zip(0..).filter(|(of, _)| **of == region).map(|(_, element)| element);
+        mesh.volume_of(of_region)
+    };
+    if others > 0 {
+        row("material", material("", others, volume(0), &problem.material));
     }
-    for region in &problem.regions {
-        row("material", material(&format!("{}: ", region.name), region.elements.len(), &region.material));
+    for (number, region) in problem.regions.iter().enumerate() {
+        let volume = volume(number as u16 + 1);
+        row("material", material(&format!("{}: ", region.name), region.elements.len(), volume, &region.material));
     }
+    rows_of_quality(problem).into_iter().for_each(|text| row("quality", text));
     for (kind, sets) in [
         ("nodes", mesh.node_sets.iter().map(|(name, nodes)| (name, nodes.len())).collect::<Vec<_>>()),
         ("elements", mesh.element_sets.iter().map(|(name, elements)| (name, elements.len())).collect()),
@@ -229,7 +257,7 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
         let axes = axes(support.axes);
         let held = format!("{}: {} held in {axes}", support.name, plural(support.nodes.len(), "node"));
         let moved = support.motion.as_ref().map_or(String::new(), |motion| {
-            format!(", moved by {:?} mm times {}", motion.displacement, curve(&motion.curve, 1.0))
+            format!(", moved by {} mm times {}", plain_list(&motion.displacement), curve(&motion.curve, 1.0))
         });
         row("support", held + &moved);
     }
@@ -244,8 +272,8 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
             Control::Gas(gas) => format!(
                 "gas {} of what fills it at {} kPa, exponent {}",
                 curve(&gas.amount, 1.0),
-                1000.0 * gas.atmosphere,
-                gas.exponent
+                plain(1000.0 * gas.atmosphere),
+                plain(gas.exponent)
             ),
         };
         row("cavity", format!("{}: {}, {control}", cavity.name, plural(cavity.facets.len(), "face")));
@@ -253,11 +281,15 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     for load in &problem.loads {
         match load {
             Load::Force { nodes, force, curve: by } => {
-                row("force", format!("{force:?} N on {} times {}", plural(nodes.len(), "node"), curve(by, 1.0)));
+                // Those of a deck are given for every node, those of a model file for all of them.
+                let is_each = nodes.iter().all(|(_, factor)| *factor == 1.0) && nodes.len() > 1;
+                let (on, spread) = if is_each { ("each of ", "") } else { ("", ", spread evenly,") };
+                let on = format!("{on}{}{}", plural(nodes.len(), "node"), if nodes.len() > 1 { spread } else { "" });
+                row("force", format!("{} N on {on} times {}", plain_list(force), curve(by, 1.0)));
             }
             Load::Traction { facets, traction, curve: by } => {
                 let faces = plural(facets.len(), "face");
-                row("traction", format!("{traction:?} MPa on {faces} times {}", curve(by, 1.0)));
+                row("traction", format!("{} MPa on {faces} times {}", plain_list(traction), curve(by, 1.0)));
             }
             Load::Pressure { facets, curve: by } => {
                 row("pressure", format!("{} kPa on {}", curve(by, 1000.0), plural(facets.len(), "face")));
@@ -265,18 +297,19 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
             Load::Gravity { elements, acceleration, curve: by } => {
                 let count = elements.as_ref().map_or(mesh.num_elements(), Vec::len);
                 let on = plural(count, "element");
-                row("gravity", format!("{acceleration:?} mm/s2 on {on} times {}", curve(by, 1.0)));
+                row("gravity", format!("{} mm/s2 on {on} times {}", plain_list(acceleration), curve(by, 1.0)));
             }
         }
     }
     for pair in &problem.contact_pairs {
         let [slave, master] = [&pair.slave, &pair.master].map(|facets| plural(facets.len(), "face"));
-        row("contact", format!("{}: {slave} against {master}", pair.name));
+        let stiffness = plain(pair.stiffness.unwrap_or(problem.contact.stiffness));
+        row("contact", format!("{}: {slave} against {master}, {stiffness} N/mm3", pair.name));
     }
     for thing in &problem.obstacles {
         row("obstacle", obstacle(thing));
     }
-    let times: Vec<String> = requested.iter().map(ToString::to_string).collect();
+    let times: Vec<String> = requested.iter().map(|at| plain(at.0)).collect();
     row("times", times.join(", "));
     for (name, site) in probe_sites(mesh, &analysis.probes) {
         row("probe", probe(&name, &site));
@@ -284,10 +317,21 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     rows.0
 }
 
-fn material(name: &str, elements: usize, material: &Material) -> String {
+/// The shape of the worst element.
+fn rows_of_quality(problem: &Problem) -> Option<String> {
+    let (element, quality, poor) = worst_element(problem)?;
+    let [x, y, z] = centre(problem, element);
+    let poor = if poor > 0 { format!("; {} below {POOR_SHAPE}", number(poor)) } else { String::new() };
+    Some(format!(
+        "worst element {} near ({x:.2}, {y:.2}, {z:.2}) mm, scaled Jacobian {quality:.3} of 1{poor}",
+        element + 1
+    ))
+}
+
+fn material(name: &str, elements: usize, volume: f64, material: &Material) -> String {
     let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
     format!(
-        "{name}{} of {}: {}, bulk modulus {} MPa{density}",
+        "{name}{} of {}: {}, bulk modulus {} MPa{density}, {volume:.6} mm3",
         plural(elements, "element"),
         material.law.name(),
         material.law,
@@ -298,11 +342,11 @@ fn material(name: &str, elements: usize, material: &Material) -> String {
 /// A curve in words, its values times a factor.
 fn curve(curve: &Curve, factor: f64) -> String {
     match curve {
-        Curve::Proportional(slope) => format!("{} x time", factor * slope),
+        Curve::Proportional(slope) => format!("{} x time", plain(factor * slope)),
         Curve::Table(points) => {
-            let shown = |[time, value]: &[f64; 2]| format!("{} at {time}", round(factor * value));
+            let shown = |[time, value]: &[f64; 2]| format!("{} at {}", plain(factor * value), plain(*time));
             match &points[..] {
-                [[_, value]] => round(factor * value).to_string(),
+                [[_, value]] => plain(factor * value),
                 points if points.len() <= 6 => points.iter().map(shown).collect::<Vec<_>>().join(", "),
                 points => {
                     let ends = [&points[0], &points[points.len() - 1]].map(shown);
@@ -311,9 +355,4 @@ fn curve(curve: &Curve, factor: f64) -> String {
             }
         }
     }
-}
-
-/// Without the digits that a change of units leaves behind.
-fn round(x: f64) -> f64 {
-    format!("{x:.9e}").parse().unwrap_or(x)
 }

@@ -114,18 +114,29 @@ impl End<'_> {
         }
         let stress = recover(self.problem, self.displacement).ok()?;
         let beyond = stress.beyond_limit(self.problem);
-        let (element, point, limit) =
-            beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
-        let [x, y, z] = point.position;
+        let worst = beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3));
+        let (element, at, what, count) = match worst {
+            Some((element, point, limit)) => {
+                let excess = point.invariant_minus_3;
+                let what = format!(
+                    "its invariant exceeds 3 by {excess:.2}, and beyond {limit:.2} these constants have no stiffness left"
+                );
+                (*element, point.position, what, beyond.len())
+            }
+            None => {
+                let unstable = stress.unstable();
+                let (element, point) = unstable.iter().max_by(|(_, a), (_, b)| a.von_mises.total_cmp(&b.von_mises))?;
+                let what = "its constants answer more strain with less stress".to_owned();
+                (*element, point.position, what, unstable.len())
+            }
+        };
         Some(Reason {
             kind: ReasonKind::MaterialLimit,
             is_physical: true,
             message: format!(
-                "at {} the material gives way: in element {element} near ({x:.1}, {y:.1}, {z:.1}) mm its invariant exceeds 3 by {:.2}, and \
-                 beyond {limit:.2} these constants have no stiffness left ({} integration points)",
+                "at {} the material gives way: in element {element} near {} {what} ({count} integration points)",
                 self.reached(),
-                point.invariant_minus_3,
-                beyond.len()
+                place(at)
             ),
             advice: format!(
                 "stay below this {}, make the walls thicker, or use constants that were fitted to larger stretches (`pneuflex fit` prints \

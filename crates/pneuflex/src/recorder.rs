@@ -5,10 +5,11 @@ use std::fs::File;
 use std::io::Write;
 use std::time::Instant;
 
-use pneuflex_model::Clock;
-use pneuflex_newton::{Cause, Checkpoint, Failure, IterationRecord, Timing};
-use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
+use pneuflex_model::{Clock, Control, LoadParameter, Pressure, SymmetryPlane};
+use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, Timing};
+use pneuflex_post::summary::{Described, ProbeSite, StepSummary, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
+use pneuflex_report::summary::FORMAT;
 use serde::Serialize;
 
 use crate::analysis::Analysis;
@@ -20,16 +21,27 @@ use crate::files::{Files, INCLUDED, INPUT, included_name};
 use crate::folder::{CASE_MARK, OutputFolder};
 use crate::json;
 use crate::observer::{End, Event, Observer, ReachedState};
+use crate::on_the_way::{OnTheWay, on_the_way_number};
 use crate::reason::Reason;
 
 /// File of the iterations, one a line.
 const HISTORY: &str = "history.jsonl";
 
-/// `summary.json`. Its keys are a contract: later versions add to them.
+/// File that lists the field files with their times.
+const SERIES: &str = "fields/series.pvd";
+
+/// Names of the field files of a state: the body, the walls that may touch.
+const FIELDS: [&str; 2] = ["step", "contact"];
+
+/// Load steps on the way whose fields are kept, at the most.
+const ON_THE_WAY: usize = 6;
+
+/// `summary.json`. Its keys are a contract: later versions add to them, and what changes its meaning raises the format.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     program: &'static str,
     version: &'static str,
+    format: u32,
     title: &'a str,
     status: Status,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,9 +49,19 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     failure_reason: Option<&'a Reason>,
     warnings: Vec<Warning>,
+    /// What results are those of: `whole-body`, or `model` for a deck or mesh of which it is not known whether it is cut.
+    results_of: &'static str,
+    /// What was modelled of the whole body: `whole`, `half`, `quarter` or `eighth`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modelled: Option<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    symmetry_planes: Vec<String>,
     mesh: MeshSummary,
     probes: &'a BTreeMap<String, ProbeSite>,
     steps: Vec<Step<'a>>,
+    /// Of a run that ended early: states between the last requested pressure that was reached and the next, the last converged one at the end.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    on_the_way: &'a [StepSummary],
     iterations_total: usize,
     timing: RunTiming,
 }
@@ -74,7 +96,9 @@ enum Step<'a> {
 struct Missed {
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<f64>,
-    pressure_kpa: f64,
+    /// Of a model, that of its first cavity, if it is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure_kpa: Option<f64>,
     converged: bool,
     iterations: usize,
 }
@@ -104,6 +128,7 @@ struct Ending {
     failure: Option<String>,
     reason: Option<Reason>,
     missed: Option<Missed>,
+    on_the_way: Vec<StepSummary>,
 }
 
 /// Writes the output folder of a run: the resolved case, the history of iterations, a checkpoint at every load step, the summary and the
@@ -122,6 +147,7 @@ pub struct Recorder<'a> {
     began: Instant,
     /// Iterations reported since the last requested time that was reached.
     open_iterations: usize,
+    on_the_way: OnTheWay,
 }
 
 impl<'a> Recorder<'a> {
@@ -161,20 +187,32 @@ impl<'a> Recorder<'a> {
             series: Vec::new(),
             began: Instant::now(),
             open_iterations: 0,
+            on_the_way: recorded.on_the_way,
         };
+        recorder.remove_states_on_the_way();
         for step in recorded.steps {
-            recorder.list_fields(step.when().0);
+            recorder.list_fields(step.when().0, &format!("{:02}", recorder.steps.len() + 1));
             recorder.iterations += step.iterations;
             recorder.steps.push(step);
+        }
+        if recorder.folder.path().join(SERIES).is_file() {
+            recorder.folder.write(SERIES, series(&recorder.series))?;
         }
         recorder.write_summary(None)?;
         Ok(recorder)
     }
 
-    /// Lists the field files of the next state in the series, as far as they are there.
-    fn list_fields(&mut self, time: f64) {
-        for (part, name) in ["step", "contact"].into_iter().enumerate() {
-            let file = format!("{name}_{:02}.vtu", self.steps.len() + 1);
+    /// Removes the fields of states on the way that an earlier run ended with: this one goes on beyond them.
+    fn remove_states_on_the_way(&self) {
+        for (number, name) in (1..=ON_THE_WAY).flat_map(|number| FIELDS.map(|name| (number, name))) {
+            self.folder.remove(&format!("fields/{name}_{}.vtu", on_the_way_number(number)));
+        }
+    }
+
+    /// Lists the field files of a state in the series, as far as they are there.
+    fn list_fields(&mut self, time: f64, number: &str) {
+        for (part, name) in FIELDS.into_iter().enumerate() {
+            let file = format!("{name}_{number}.vtu");
             if self.folder.path().join("fields").join(&file).is_file() {
                 self.series.push(SeriesEntry { time, part, file });
             }
@@ -197,7 +235,12 @@ impl<'a> Recorder<'a> {
     fn step_accepted(&mut self, path: &Checkpoint) -> Result<(), ResultsError> {
         let began = Instant::now();
         let steps = self.steps.clone();
-        let recorded = Recorded { steps, history_bytes: self.history_bytes, output_s: self.timing.output_s };
+        let from = self.steps.last().map_or(LoadParameter::default(), StepSummary::when);
+        if let Some(&to) = self.analysis.requested.get(self.steps.len()) {
+            self.on_the_way.accept(path, [from, to]);
+        }
+        let (history_bytes, output_s) = (self.history_bytes, self.timing.output_s);
+        let recorded = Recorded { steps, history_bytes, output_s, on_the_way: self.on_the_way.clone() };
         // The checkpoint counts on the history's lines.
         self.history.sync_data().map_err(|e| self.folder.cannot_write(HISTORY, e))?;
         checkpoint_file::store(&self.folder, &recorded, path)?;
@@ -208,30 +251,53 @@ impl<'a> Recorder<'a> {
     fn state(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
         let began = Instant::now();
         if self.analysis.fields {
-            self.write_fields(state)?;
+            self.write_fields(&format!("{:02}", self.steps.len() + 1), state.described, state.equilibrium)?;
         }
         self.steps.push(state.summary.clone());
+        self.on_the_way.clear();
         self.timing.output_s += state.seconds + began.elapsed().as_secs_f64();
         self.timing.path.total_s = self.began.elapsed().as_secs_f64();
         self.open_iterations = 0;
         self.write_summary(None)
     }
 
-    fn write_fields(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
-        let problem = &self.analysis.problem;
-        let time = state.equilibrium.parameter.0;
-        let (body, walls) = derived::field_files(problem, state.described, state.equilibrium)?;
-        let number = self.steps.len() + 1;
-        for (name, text) in [("step", Some(body)), ("contact", walls)] {
+    fn write_fields(
+        &mut self,
+        number: &str,
+        described: &Described,
+        equilibrium: &ConvergedState,
+    ) -> Result<(), ResultsError> {
+        let (body, walls) = derived::field_files(&self.analysis.problem, described, equilibrium)?;
+        for (name, text) in FIELDS.into_iter().zip([Some(body), walls]) {
             if let Some(text) = text {
-                self.folder.write(&format!("fields/{name}_{number:02}.vtu"), &text)?;
+                self.folder.write(&format!("fields/{name}_{number}.vtu"), &text)?;
             }
         }
-        self.list_fields(time);
-        self.folder.write("fields/series.pvd", series(&self.series))
+        self.list_fields(equilibrium.parameter.0, number);
+        self.folder.write(SERIES, series(&self.series))
     }
 
-    fn ending(&self, end: &End<'_>) -> Ending {
+    /// What a run that ended early leaves of its way beyond the last requested position. States from which nothing can be derived are left
+    /// out: the run has ended for a reason of its own.
+    fn states_on_the_way(&mut self, end: &End<'_>) -> Result<Vec<StepSummary>, ResultsError> {
+        let analysis = self.analysis;
+        let Some(last) = end.last.filter(|_| end.error.is_none()) else { return Ok(Vec::new()) };
+        let kept = self.on_the_way.before(last.parameter);
+        let mut states: Vec<ConvergedState> =
+            kept.filter_map(|kept| kept.equilibrium(&analysis.problem).ok()).collect();
+        states.push(last.clone());
+        let mut summaries = Vec::new();
+        for state in &states {
+            let Ok(described) = derived::describe(&analysis.problem, &self.probes, state) else { continue };
+            if analysis.fields {
+                self.write_fields(&on_the_way_number(summaries.len() + 1), &described, state)?;
+            }
+            summaries.push(described.summary);
+        }
+        Ok(summaries)
+    }
+
+    fn ending(&self, end: &End<'_>, on_the_way: Vec<StepSummary>) -> Ending {
         // A path that was stopped because of an error has not been interrupted by anybody.
         let failure = match (end.error, end.failure) {
             (Some(error), _) => Some(error.to_string()),
@@ -244,10 +310,21 @@ impl<'a> Recorder<'a> {
         };
         let next = self.analysis.requested.get(self.steps.len()).copied();
         let missed = next.filter(|_| status == Status::NotConverged && end.error.is_none()).map(|at| {
-            let time = (self.analysis.problem.clock == Clock::Steps).then_some(at.0);
-            Missed { time, pressure_kpa: at.0, converged: false, iterations: self.open_iterations }
+            let (time, pressure_kpa) = match self.analysis.problem.clock {
+                Clock::Pressure => (None, Some(at.0)),
+                Clock::Steps => (Some(at.0), self.given_pressure(at)),
+            };
+            Missed { time, pressure_kpa, converged: false, iterations: self.open_iterations }
         });
-        Ending { status, failure, reason: end.reason.cloned(), missed }
+        Ending { status, failure, reason: end.reason.cloned(), missed, on_the_way }
+    }
+
+    /// Pressure of a model's first cavity at a time that was not reached, kPa, if it does not have to be found.
+    fn given_pressure(&self, at: LoadParameter) -> Option<f64> {
+        match &self.analysis.problem.cavities.first()?.control {
+            Control::Pressure(curve) => Some(Pressure::from_mpa(curve.at(at)).kpa()),
+            Control::Volume(_) | Control::Gas(_) => None,
+        }
     }
 
     fn write_summary(&self, ending: Option<&Ending>) -> Result<(), ResultsError> {
@@ -256,14 +333,19 @@ impl<'a> Recorder<'a> {
         let summary = Summary {
             program: "pneuflex",
             version: env!("CARGO_PKG_VERSION"),
+            format: FORMAT,
             title: &self.analysis.title,
             status: ending.map_or(Status::Running, |ending| ending.status),
             failure: ending.and_then(|ending| ending.failure.as_deref()),
             failure_reason: ending.and_then(|ending| ending.reason.as_ref()),
             warnings: self.analysis.warnings(&self.steps),
+            results_of: if self.analysis.modelled_part().is_some() { "whole-body" } else { "model" },
+            modelled: self.analysis.modelled_part(),
+            symmetry_planes: self.analysis.problem.symmetry.iter().map(SymmetryPlane::words).collect(),
             mesh: self.mesh,
             probes: &self.probes,
             steps,
+            on_the_way: ending.map_or(&[], |ending| &ending.on_the_way[..]),
             iterations_total: self.iterations,
             timing: self.timing,
         };
@@ -285,7 +367,8 @@ impl Observer for Recorder<'_> {
     fn finish(&mut self, end: &End<'_>) -> Result<(), ResultsError> {
         self.timing.path = end.report.timing;
         self.iterations = end.report.iterations;
-        self.write_summary(Some(&self.ending(end)))
+        let on_the_way = self.states_on_the_way(end)?;
+        self.write_summary(Some(&self.ending(end, on_the_way)))
     }
 }
 

@@ -3,13 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pneuflex_mesh::actuator::Part;
 use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
 use pneuflex_report::inputs::{Group, Row, groups};
 use pneuflex_report::state::State;
-use pneuflex_report::summary::Summary;
+use pneuflex_report::summary::{FORMAT, Summary};
 use pneuflex_report::{Report, render};
 
 use crate::analysis::{Analysis, Description};
@@ -17,6 +16,7 @@ use crate::error::Error;
 use crate::folder::{OutputFolder, REPORT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
+use crate::on_the_way::on_the_way_number;
 use crate::overview::OverviewRow;
 use crate::study::Study;
 use crate::words::plural;
@@ -60,7 +60,6 @@ pub fn report_page(folder: &Path) -> Result<String, Error> {
         title: &analysis.title,
         about: &about(&analysis),
         inputs: &inputs(&analysis),
-        mirrored: analysis.actuator().is_some_and(|actuator| actuator.part == Part::Half),
         problem: &analysis.problem,
         summary: &summary,
         states: states.as_deref(),
@@ -100,7 +99,19 @@ fn read_summary(folder: &Path) -> Result<Summary, InputError> {
         );
     }
     let summary: Summary = serde_json::from_str(&read(&path)?).map_err(|e| damaged(&path, e))?;
-    match summary.steps.iter().find(|step| step.converged && step.reached.is_none()) {
+    if summary.format != FORMAT {
+        let why = format!(
+            "it has the format {} instead of {FORMAT}: another version of the program wrote it",
+            summary.format
+        );
+        let help = "solve the case again, or show it with that version".to_owned();
+        return Err(InputError::about_file(&path, why).with_help(Some(help)));
+    }
+    let steps = || summary.steps.iter().chain(&summary.on_the_way);
+    if steps().any(|step| step.time.is_none() && step.pressure_kpa.is_none()) {
+        return Err(damaged(&path, "a step has neither time nor pressure_kpa"));
+    }
+    match steps().find(|step| step.converged && step.reached.is_none()) {
         Some(step) => {
             let clock = if step.time.is_some() { Clock::Steps } else { Clock::Pressure };
             Err(damaged(&path, format!("results are missing at {}", clock.words(LoadParameter(step.when())))))
@@ -116,8 +127,8 @@ fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<
     }
     let problem = &analysis.problem;
     let has_walls = !contact_faces(problem).is_empty();
-    let state = |number: usize, time: f64| {
-        let path = |name: &str| folder.join(format!("fields/{name}_{number:02}.vtu"));
+    let state = |number: String, time: f64| {
+        let path = |name: &str| folder.join(format!("fields/{name}_{number}.vtu"));
         let body_path = path("step");
         let body = read_grid(&body_path)?;
         let is_same = (body.time - time).abs() <= 1e-9;
@@ -128,8 +139,10 @@ fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<
         let walls = has_walls.then(|| read_grid(&path("contact"))).transpose()?;
         State::from_grids(problem, &body, walls.as_ref()).map_err(|e| damaged(&body_path, e))
     };
+    let requested = summary.steps.iter().filter(|step| step.reached.is_some()).count();
+    let number = |i: usize| if i < requested { format!("{:02}", i + 1) } else { on_the_way_number(i + 1 - requested) };
     let reached = summary.reached().enumerate();
-    reached.map(|(i, (time, _))| state(i + 1, time)).collect::<Result<_, _>>().map(Some)
+    reached.map(|(i, (time, _))| state(number(i), time)).collect::<Result<_, _>>().map(Some)
 }
 
 fn read_grid(path: &Path) -> Result<Grid, InputError> {

@@ -160,10 +160,13 @@ impl<'a> Run<'a> {
             Some(checkpoint) => checkpoint.displacement.clone(),
             None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
         };
+        let spent =
+            self.from.as_ref().map_or([0, 0], |from| [from.approach.iterations_before, from.approach.load_steps]);
         let mut audience = Audience {
             analysis,
             sites: probe_sites(&analysis.problem.mesh, &analysis.probes),
             observers: self.observers,
+            spent,
             last_equilibrium,
             found: Solution { states, ..Solution::default() },
             keeps_fields: self.keeps_fields,
@@ -195,6 +198,8 @@ struct Audience<'a> {
     analysis: &'a Analysis,
     sites: BTreeMap<String, ProbeSite>,
     observers: Vec<Box<dyn Observer + 'a>>,
+    /// Iterations before the last requested position, and load steps accepted since.
+    spent: [usize; 2],
     /// Displacements of the last accepted load step, mm.
     last_equilibrium: Vec<[f64; 3]>,
     found: Solution,
@@ -225,6 +230,16 @@ impl Audience<'_> {
         }
         for &parameter in parameters {
             if let Err(failure) = path.advance_and_tell(parameter, &mut |event| self.hear(event)) {
+                let is_new = self.found.states.last().is_none_or(|state| failure.reached > state.when());
+                if is_new && failure.reached > LoadParameter::default() {
+                    let present = path.present();
+                    let before: [usize; 2] = self.spent;
+                    self.found.last = Some(ConvergedState {
+                        iterations: present.iterations.saturating_sub(before[0]),
+                        load_steps: before[1],
+                        ..present
+                    });
+                }
                 return Err(Box::new((failure, path.report())));
             }
         }
@@ -242,6 +257,7 @@ impl Audience<'_> {
             }
             newton::Event::StepAccepted(checkpoint) => {
                 self.last_equilibrium.clone_from(&checkpoint.displacement);
+                self.spent = [checkpoint.approach.iterations_before, checkpoint.approach.load_steps];
                 self.tell(&Event::StepAccepted(checkpoint))
             }
             newton::Event::Converged(equilibrium) => self.state(equilibrium),
@@ -282,7 +298,8 @@ impl Audience<'_> {
         let (failed, explained) = (failure.as_ref(), reason.as_ref());
         let mut error = self.error.take();
         for observer in &mut self.observers {
-            let end = End { report: &report, failure: failed, reason: explained, error: error.as_ref() };
+            let last = self.found.last.as_ref();
+            let end = End { report: &report, failure: failed, reason: explained, last, error: error.as_ref() };
             if let Err(new) = observer.finish(&end) {
                 error.get_or_insert(new);
             }

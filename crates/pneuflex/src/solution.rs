@@ -13,6 +13,8 @@ pub struct Solution {
     /// Displacements, reactions and so on of the same states; without those of an earlier run that this one went on from, and none at all
     /// after [`crate::Run::without_fields`].
     pub fields: Vec<ConvergedState>,
+    /// The last equilibrium of a run that ended early, if it lies between requested positions.
+    pub last: Option<ConvergedState>,
     /// What to be careful about.
     pub warnings: Vec<Warning>,
     /// Newton iterations, those of rejected attempts included.

@@ -13,6 +13,16 @@ pub fn size(bytes: f64) -> String {
     }
 }
 
+/// A number as people write it: without the digits that sums and a change of units leave behind.
+pub fn plain(x: f64) -> String {
+    format!("{x:.9e}").parse().unwrap_or(x).to_string()
+}
+
+/// Numbers as people write them, in brackets.
+pub fn plain_list(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(|x| plain(*x)).collect::<Vec<_>>().join(", "))
+}
+
 /// A large count in words.
 pub fn count(value: f64) -> String {
     if value < 1e12 { thousands(value.round() as u64) } else { format!("{value:.1e}") }
@@ -45,6 +55,11 @@ mod tests {
             ["7", "26,310", "1,268", "123,456,789"],
             [7, 26_310, 1268, 123_456_789].map(thousands).each_ref().map(String::as_str)
         );
+        assert_eq!(
+            [plain(45.800_000_000_000_004), plain(-0.1 - 0.2), plain(4.0), plain(1.0 / 3.0)],
+            ["45.8", "-0.3", "4", "0.3333333333"]
+        );
+        assert_eq!(plain_list(&[0.1 + 0.2, 0.0]), "[0.3, 0]");
         assert_eq!((size(5e8), size(5e9)), ("477 MiB".into(), "4.7 GiB".into()));
         assert_eq!(size(f64::INFINITY), "more than 1,000,000 GiB");
     }

@@ -1,10 +1,14 @@
-//! Numbers that describe a deformed body as a whole.
+//! Numbers that describe a deformed body as a whole. Where a part of it is modelled, forces and volumes are those of the whole body (see
+//! [`pneuflex_model::symmetry`]).
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use pneuflex_mesh::Facet;
 use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
 use crate::surface::Patch;
-use crate::vector::{Vec3, dot};
+use crate::vector::norm;
 
 /// The bottom centreline in the deformed state: \[x, z\] in mm, ordered by the reference x from the clamp to the tip.
 ///
@@ -26,10 +30,10 @@ pub fn centreline(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f
         .collect())
 }
 
-/// Angle in degrees by which the node set `end_face` is turned in the x–z plane; 0 without such a set.
+/// Angle in degrees by which the surface `end_face` (or that of the node set of this name) is turned in the x–z plane; 0 without one.
 ///
-/// It is the best-fit rotation (two-dimensional polar decomposition) of the set about its centroid, positive when the
-/// actuator bends **downwards**, towards −z, the side of its base: under pressure the default actuator's angle is
+/// It is the best-fit rotation (two-dimensional polar decomposition) of the surface about its centroid, by integrals over its area at rest:
+/// it is the same on a half and on the whole, and does not follow the grading of the mesh. It is positive when the actuator bends **downwards**, towards −z, the side of its base: under pressure the default actuator's angle is
 /// positive. Full turns are counted by following the bottom centreline from the clamp, so that the angle goes on beyond
 /// 180° when the actuator curls.
 ///
@@ -37,25 +41,28 @@ pub fn centreline(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f
 /// A list of the wrong length or with a number that is not finite.
 pub fn end_face_angle_deg(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, PostError> {
     let line = centreline(problem, displacement)?;
-    let mesh = &problem.mesh;
-    let nodes = mesh.node_set("end_face");
-    if nodes.is_empty() {
+    let facets = end_face(problem);
+    if facets.is_empty() {
         return Ok(0.0);
     }
-    let positions = |deformed: bool| -> Vec<[f64; 2]> {
-        nodes
-            .iter()
-            .map(|&n| {
-                let (x, u) = (mesh.nodes[n as usize], displacement[n as usize]);
-                if deformed { [x[0] + u[0], x[2] + u[2]] } else { [x[0], x[2]] }
-            })
-            .collect()
-    };
-    let (before, after) = (centred(positions(false)), centred(positions(true)));
+    let (mut points, mut areas) = (Vec::new(), Vec::new());
+    for facet in facets {
+        let [rest, deformed] = [None, Some(displacement)].map(|u| Patch::new(&problem.mesh, facet, u));
+        for (xi, weight) in (rest.kind().rule)() {
+            let at_rest = rest.at(xi);
+            areas.push(weight * norm(at_rest.area_vector));
+            points.push([at_rest.position, deformed.at(xi).position].map(|x| [x[0], x[2]]));
+        }
+    }
+    let area: f64 = areas.iter().sum();
+    let mean = |which: usize, d: usize| points.iter().zip(&areas).map(|(p, a)| a * p[which][d]).sum::<f64>() / area;
+    let centres = [0, 1].map(|which| [mean(which, 0), mean(which, 1)]);
     let (mut sine, mut cosine) = (0.0, 0.0);
-    for (a, b) in before.iter().zip(&after) {
-        sine += a[0] * b[1] - a[1] * b[0];
-        cosine += a[0] * b[0] + a[1] * b[1];
+    for (point, weight) in points.iter().zip(&areas) {
+        let [a, b]: [[f64; 2]; 2] =
+            std::array::from_fn(|which| std::array::from_fn(|d| point[which][d] - centres[which][d]));
+        sine += weight * (a[0] * b[1] - a[1] * b[0]);
+        cosine += weight * (a[0] * b[0] + a[1] * b[1]);
     }
     // Counter-clockwise in the x–z plane is upwards.
     let angle = -sine.atan2(cosine);
@@ -64,10 +71,9 @@ pub fn end_face_angle_deg(problem: &Problem, displacement: &[[f64; 3]]) -> Resul
     Ok((angle + turns * std::f64::consts::TAU).to_degrees())
 }
 
-fn centred(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    let n = points.len() as f64;
-    let centre: [f64; 2] = std::array::from_fn(|d| points.iter().map(|p| p[d]).sum::<f64>() / n);
-    points.into_iter().map(|p| [p[0] - centre[0], p[1] - centre[1]]).collect()
+/// Faces of which [`end_face_angle_deg`] is the angle.
+pub fn end_face(problem: &Problem) -> Vec<Facet> {
+    problem.mesh.faces_named("end_face")
 }
 
 /// How far the tangent of a line that starts along +x turns downwards from its start to its end, whole turns included.
@@ -83,31 +89,37 @@ fn line_rotation(line: &[[f64; 2]]) -> f64 {
     angle
 }
 
-/// Volume of the air, mm³: −⅓ ∮ r·n dS over the deformed pressure faces, whose normals point out of the solid.
-///
-/// Exact if the cavity is closed, or cut only by planes through the origin such as the symmetry plane of a half model,
-/// for which it is the volume of the modelled half.
+/// Volume of all cavities that have one, mm³: that of every cavity of the modelled part, times the number of parts.
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
 pub fn cavity_volume(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64, PostError> {
-    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mut sum = 0.0;
-    for facet in problem.cavity_facets() {
-        let patch = Patch::new(&problem.mesh, facet, Some(displacement));
-        for (xi, weight) in (patch.kind().rule)() {
-            let point = patch.at(xi);
-            sum += weight * dot(point.position, point.area_vector);
-        }
+    for cavity in &problem.cavities {
+        sum += modelled_volume(problem, cavity, displacement)?.unwrap_or(0.0);
     }
-    Ok(-sum / 3.0)
+    Ok(problem.parts_of_whole() as f64 * sum)
 }
 
-/// Volume of a cavity, mm³, or of what planes of symmetry leave of it; `None` if it is open (see [`Problem::cavity_plane`]).
+/// Volume of a cavity, mm³; `None` if it is open (see [`Problem::cavity_plane`]). A cavity beside a plane of symmetry, which does not cut
+/// it, is one of two.
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
 pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> Result<Option<f64>, PostError> {
+    let cuts = problem.symmetry.iter().filter(|plane| {
+        let nodes: BTreeSet<u32> = problem.supports[plane.support].nodes.iter().copied().collect();
+        cavity.facets.iter().any(|&facet| problem.mesh.facet_nodes(facet).iter().any(|node| nodes.contains(node)))
+    });
+    let parts = f64::from(1 << cuts.count());
+    Ok(modelled_volume(problem, cavity, displacement)?.map(|volume| parts * volume))
+}
+
+/// Volume of what is modelled of a cavity, mm³: what planes of symmetry leave of it.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+fn modelled_volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> Result<Option<f64>, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let Ok(plane_y) = problem.cavity_plane(cavity) else { return Ok(None) };
     let mut sum = 0.0;
@@ -121,30 +133,60 @@ pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> 
     Ok(Some(sum))
 }
 
-/// Sum of the reactions over the nodes of the named support, N; zero if there is none of that name.
-///
-/// `reaction` has three entries per node, N. A node that belongs to two supports counts with all its components.
+/// Forces of what holds a body, N.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reactions {
+    /// Sum over all supports, every node once; planes of symmetry are none.
+    pub total: [f64; 3],
+    /// Of every support by name; what holds a node twice, counts twice. Supports beside a plane of symmetry count with their mirror images.
+    pub supports: BTreeMap<String, [f64; 3]>,
+    /// Force with which the part beyond holds the modelled one at every plane of symmetry, by its words (`y = 0`): that on the whole cross-section, normal
+    /// to it.
+    pub planes: BTreeMap<String, [f64; 3]>,
+}
+
+/// The reactions of a state. `reaction` has three entries per node, N; of every node only what acts along held axes counts.
 ///
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
-pub fn reaction(problem: &Problem, reaction: &[[f64; 3]], support: &str) -> Result<[f64; 3], PostError> {
+pub fn reactions(problem: &Problem, reaction: &[[f64; 3]]) -> Result<Reactions, PostError> {
     check("reaction", reaction.as_flattened(), problem.num_dofs())?;
-    let mut sum = [0.0; 3];
-    for support in problem.supports.iter().filter(|s| s.name == support) {
+    let mut found = Reactions::default();
+    let mut held = vec![[false; 3]; reaction.len()];
+    for (number, support) in problem.supports.iter().enumerate() {
+        let mut sum = [0.0; 3];
         for &node in &support.nodes {
-            let r: Vec3 = reaction[node as usize];
-            for d in 0..3 {
-                sum[d] += r[d];
+            for axis in (0..3).filter(|&axis| support.axes[axis]) {
+                sum[axis] += reaction[node as usize][axis];
             }
         }
+        if let Some(plane) = problem.symmetry.iter().find(|plane| plane.support == number) {
+            // The cross-section has two parts for every other plane.
+            let sections = 0.5 * problem.parts_of_whole() as f64;
+            found.planes.insert(plane.words(), sum.map(|f| sections * f));
+            continue;
+        }
+        for &node in &support.nodes {
+            (0..3).for_each(|axis| held[node as usize][axis] |= support.axes[axis]);
+        }
+        let whole = problem.whole_force(sum);
+        let of_name = found.supports.entry(support.name.clone()).or_default();
+        *of_name = std::array::from_fn(|d| of_name[d] + whole[d]);
     }
-    Ok(sum)
+    let mut total = [0.0; 3];
+    for (force, held) in reaction.iter().zip(held) {
+        (0..3).filter(|&axis| held[axis]).for_each(|axis| total[axis] += force[axis]);
+    }
+    found.total = problem.whole_force(total);
+    Ok(found)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
+    use pneuflex_mesh::{Actuator, MeshSize, Part};
+    use pneuflex_model::Formulation;
 
     #[test]
     fn a_rigid_rotation_is_the_angle_of_the_end_face() {
@@ -177,7 +219,7 @@ mod tests {
     #[test]
     fn air_volume_follows_an_affine_map() {
         let problem = two_chambers(1.0);
-        let at_rest = 2.0 * 6.0 * 9.0 * 8.0 + 16.0 + 12.0;
+        let at_rest = 2.0 * (2.0 * 6.0 * 9.0 * 8.0 + 16.0 + 12.0);
         let volume = cavity_volume(&problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).unwrap();
         assert!((volume - at_rest).abs() < 1e-9, "{volume}");
         let u = displacement_of(&problem, |x| [0.2 * x[0] + 0.3 * x[2], 0.1 * x[1], -0.1 * x[2] + 0.2 * x[0]]);
@@ -187,13 +229,41 @@ mod tests {
     }
 
     #[test]
-    fn reactions_are_summed_over_the_named_support_only() {
-        let problem = two_chambers(2.0);
+    fn reactions_are_those_of_the_whole_body_and_planes_of_symmetry_stand_apart() {
+        let mut problem = two_chambers(2.0);
         let ones = vec![[1.0; 3]; problem.mesh.num_nodes()];
-        let clamp = problem.supports[0].nodes.len() as f64;
-        assert_eq!(reaction(&problem, &ones, "clamp").unwrap(), [clamp; 3]);
-        assert_eq!(reaction(&problem, &ones, "nothing").unwrap(), [0.0; 3]);
-        assert!(matches!(reaction(&problem, &ones[1..], "clamp"), Err(PostError::WrongLength { .. })));
+        let [clamp, plane] = [0, 1].map(|i| problem.supports[i].nodes.len() as f64);
+        let half = reactions(&problem, &ones).unwrap();
+        assert_eq!((half.total, half.supports.len()), ([2.0 * clamp, 0.0, 2.0 * clamp], 1));
+        assert_eq!(half.supports["clamp"], half.total);
+        assert_eq!(half.planes, BTreeMap::from([("y = 0".to_owned(), [0.0, plane, 0.0])]));
+        // Without the plane everything is as it is; a node that is held twice counts once in the sum.
+        problem.symmetry.clear();
+        let part = reactions(&problem, &ones).unwrap();
+        let both = problem.supports[1].nodes.iter().filter(|node| problem.supports[0].nodes.contains(node)).count();
+        assert_eq!(part.total, [clamp, clamp + plane - both as f64, clamp]);
+        assert_eq!((part.supports["clamp"], part.supports["symmetry"]), ([clamp; 3], [0.0, plane, 0.0]));
+        assert!(part.planes.is_empty() && both > 0);
+        assert!(matches!(reactions(&problem, &ones[1..]), Err(PostError::WrongLength { .. })));
+    }
+
+    #[test]
+    fn the_angle_is_that_of_the_face_and_not_of_its_nodes() {
+        // The face bends: turned by 0.2 in its lower, finer half, and by 0.1 above.
+        let of = |part: Part, size: [f64; 3]| {
+            let actuator = Actuator { part, ..Actuator::two_chambers() };
+            let size = MeshSize { size, ..MeshSize::uniform(1.0) };
+            let (material, contact) = Default::default();
+            let problem = Problem::from_actuator(&actuator, &size, Formulation::Hex27, material, contact).unwrap();
+            let u = displacement_of(&problem, |x| [0.01 * x[2] * (1.0 - 0.02 * x[1] * x[1]), 0.0, 0.002 * x[1] * x[1]]);
+            end_face_angle_deg(&problem, &u).unwrap()
+        };
+        let whole = of(Part::Whole, [4.0, 5.0, 2.0]);
+        assert!((of(Part::Half, [4.0, 5.0, 2.0]) - whole).abs() < 1e-12 && whole > 0.05, "{whole}");
+        assert!((of(Part::Half, [4.0, 2.5, 1.0]) - whole).abs() < 1e-12);
+        // Σ a × b / Σ a · b over the rectangle in closed form: the mean of 1 − 0.02 y² over |y| < 10 is 1/3.
+        let exact = (0.01 * (1.0 / 3.0_f64)).atan().to_degrees();
+        assert!((whole - exact).abs() < 1e-12, "{whole} {exact}");
     }
 
     #[test]

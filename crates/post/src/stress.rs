@@ -21,7 +21,7 @@ use pneuflex_assembly::ReferenceElement;
 use pneuflex_assembly::formulation::IntegrationPoint;
 use pneuflex_assembly::law::ElementMaterial;
 use pneuflex_laws::law_of;
-use pneuflex_material::{Kinematics, cofactor, volumetric};
+use pneuflex_material::{Kinematics, cofactor, drucker, volumetric};
 use pneuflex_mesh::mesh::determinant;
 use pneuflex_mesh::{ElementKind, ReferenceBody};
 use pneuflex_model::{Invariant, Material, Problem, Volumetric};
@@ -44,6 +44,8 @@ pub struct StressPoint {
     pub von_mises: f64,
     /// The invariant the energy depends on, less its value 3 at rest: I₁ − 3 or Ī₁ − 3.
     pub invariant_minus_3: f64,
+    /// Whether more strain takes more stress there (Drucker's condition), for laws without a limit of the invariant.
+    pub is_stable: bool,
 }
 
 /// Stresses of a whole body in one state.
@@ -66,7 +68,7 @@ struct Local {
 }
 
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
-/// `None` if there is none, or if the law is none in the first invariant alone: others are not checked. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
+/// `None` if there is none, or if the law is none in the first invariant alone: others are checked by [`StressField::unstable`]. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
     law_of(material).limit()
 }
@@ -88,6 +90,9 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
     let mesh = &problem.mesh;
     let (materials, material_of) = problem.materials();
     let laws: Vec<_> = materials.iter().map(|material| ElementMaterial::new(material, problem.formulation)).collect();
+    // Where there is a limit of the invariant, it is said by that.
+    let gives_way = |material: &&Material| material.law.may_give_way() && material_limit(material).is_none();
+    let may_give_way: Vec<bool> = materials.iter().map(gives_way).collect();
     let element_table = ReferenceElement::new(problem.formulation);
     let (deviatoric, volumetric) = (&element_table.deviatoric, &element_table.volumetric);
     let modes_at = |point: &IntegrationPoint| -> [f64; 4] {
@@ -132,7 +137,16 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
                 }
             };
             let von_mises = von_mises(stress);
-            points.push(StressPoint { position, volume: state.volume, stress, von_mises, invariant_minus_3 });
+            let is_stable =
+                !may_give_way[number] || drucker::is_stable(&*model.law, state.kinematics.principal_stretches());
+            points.push(StressPoint {
+                position,
+                volume: state.volume,
+                stress,
+                von_mises,
+                invariant_minus_3,
+                is_stable,
+            });
         }
     }
     if !strain_energy.is_finite() || !points.iter().all(|p| p.von_mises.is_finite()) {
@@ -251,6 +265,13 @@ impl StressField {
         self.points.chunks(self.points_per_element.max(1)).enumerate().flat_map(in_element).collect()
     }
 
+    /// Integration points at which more strain takes less stress, by laws without a limit of the invariant: element and point.
+    pub fn unstable(&self) -> Vec<(usize, &StressPoint)> {
+        let per_element = self.points_per_element.max(1);
+        let unstable = self.points.iter().enumerate().filter(|(_, point)| !point.is_stable);
+        unstable.map(|(number, point)| (number / per_element, point)).collect()
+    }
+
     /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point; 0 for a body without elements.
     pub fn largest_invariant_minus_3(&self) -> f64 {
         self.points.iter().map(|p| p.invariant_minus_3).max_by(f64::total_cmp).unwrap_or(0.0)
@@ -350,7 +371,7 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers, with_formulation};
-    use pneuflex_model::Formulation;
+    use pneuflex_model::{Formulation, Law};
 
     fn materials() -> Vec<Material> {
         let mut materials = pneuflex_laws::samples();
@@ -397,6 +418,21 @@ mod tests {
 
     /// The energy's derivative along a displacement is the work of the stress: Σ V J σ : grad(δu) in a state in which
     /// the volumetric pressure varies, which ties each formulation's pressure to its energy.
+    /// Uniaxial Mooney-Rivlin: C₁₀/λ + C₀₁ λ = 0 at the stretch 2.
+    #[test]
+    fn points_at_which_more_strain_takes_less_stress_are_found() {
+        let mut problem = with_formulation(3.0, Formulation::Hex27);
+        problem.material = Law::Polynomial { c10: 0.4, c01: -0.1, c20: 0.0, c11: 0.0, c02: 0.0 }.into();
+        let unstable = |stretch: f64| {
+            let across = 1.0 / stretch.sqrt() - 1.0;
+            let u = displacement_of(&problem, |[x, y, z]| [(stretch - 1.0) * x, across * y, across * z]);
+            let field = recover(&problem, &u).unwrap();
+            (field.unstable().len(), field.points.len())
+        };
+        let ((few, _), (many, all)) = (unstable(1.99), unstable(2.01));
+        assert_eq!((few, many), (0, all));
+    }
+
     #[test]
     fn stress_is_the_derivative_of_the_energy_where_the_volume_change_is_uniform() {
         for formulation in Formulation::ALL {
@@ -461,6 +497,7 @@ mod tests {
             stress: [0.0; 6],
             von_mises,
             invariant_minus_3: 0.0,
+            is_stable: true,
         };
         let field = StressField {
             points: vec![point(5.0, 1.0), point(1.0, 98.0), point(9.0, 1.0)],

@@ -1,12 +1,14 @@
-//! What `summary.json` says about one reached pressure.
+//! What `summary.json` says about one reached pressure. Numbers are those of the whole body, also where a part of it is modelled (see
+//! [`pneuflex_model::symmetry`]).
 
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Cavity, Clock, LoadParameter, Pressure, Probe, Problem};
+use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Problem};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
+use crate::vector::{cross, sub};
 use crate::{contact, fields, measures, penetration, stress, vtu};
 
 /// An equilibrium to be described.
@@ -59,20 +61,24 @@ pub struct StepSummary {
     pub von_mises_p99_mpa: f64,
     /// Contact.
     pub contact: ContactSummary,
-    /// Volume of the modelled air, mm³.
+    /// Volume of all cavities that have one, mm³.
     pub cavity_volume_mm3: f64,
     /// Every cavity of a model, by name; left out for actuators.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cavities: BTreeMap<String, CavitySummary>,
-    /// Sum of the clamp's reactions, N.
+    /// Sum of the reactions of all supports, N, every node once; planes of symmetry are none.
     pub reaction_n: [f64; 3],
+    /// Force with which the part beyond a plane of symmetry holds the modelled one, on the whole cross-section, N, by the plane's words; left
+    /// out if there is none.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub symmetry_reactions: BTreeMap<String, [f64; 3]>,
     /// Sum of the reactions of every support of a model, N, by name; left out for actuators.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub reactions: BTreeMap<String, [f64; 3]>,
-    /// What the modelled body does to every obstacle, by name; left out if there is none.
+    /// What the body does to every obstacle, by name; left out if there is none.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub obstacles: BTreeMap<String, ObstacleSummary>,
-    /// Strain energy of the modelled body, mJ, relative to the undeformed state; with the `full` invariant that state is
+    /// Strain energy, mJ, relative to the undeformed state; with the `full` invariant that state is
     /// not the one of least energy, and the number may be negative.
     pub strain_energy_mj: f64,
     /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point.
@@ -97,12 +103,12 @@ impl StepSummary {
 pub struct CavitySummary {
     /// Pressure above the atmosphere's, kPa.
     pub pressure_kpa: f64,
-    /// Volume of what is modelled of it, mm³; left out for an open one.
+    /// Volume, mm³; left out for an open one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume_mm3: Option<f64>,
 }
 
-/// What the modelled body does to an obstacle at one reached pressure; the other half of a half model does the same, mirrored.
+/// What the body does to an obstacle at one reached pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleSummary {
     /// Force on the obstacle, N.
@@ -117,18 +123,47 @@ pub struct ObstacleSummary {
     pub area_mm2: f64,
     /// Largest depth of a contact point, mm.
     pub max_penetration_mm: f64,
+    /// How many there are of it: an obstacle beside a plane of symmetry has a mirror image, and the numbers are those of one of them. Left
+    /// out for a single one.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub images: usize,
 }
 
-impl From<&contact::ObstacleForce> for ObstacleSummary {
-    fn from(found: &contact::ObstacleForce) -> Self {
-        Self {
+fn one() -> usize {
+    1
+}
+
+fn is_one(images: &usize) -> bool {
+    *images == 1
+}
+
+impl ObstacleSummary {
+    /// What the whole body does to an obstacle, from what the modelled part does.
+    fn of(problem: &Problem, obstacle: &Obstacle, found: &contact::ObstacleForce) -> Self {
+        let mut whole = Self {
             force_n: found.force,
             moment_nmm: found.moment,
             about_mm: found.about,
             points_active: found.points_active,
             area_mm2: found.area_mm2,
             max_penetration_mm: found.max_penetration_mm,
+            images: 1,
+        };
+        for plane in &problem.symmetry {
+            if !plane.is_symmetry_of(obstacle) {
+                whole.images *= 2;
+                continue;
+            }
+            let mirrored = plane.mirror_vector(whole.force_n);
+            // The mirror image's moment is one about the mirror image of the point.
+            let moved = cross(sub(plane.mirror_point(whole.about_mm), whole.about_mm), mirrored);
+            let turned = plane.mirror_moment(whole.moment_nmm);
+            whole.moment_nmm = std::array::from_fn(|d| whole.moment_nmm[d] + turned[d] + moved[d]);
+            whole.force_n = std::array::from_fn(|d| whole.force_n[d] + mirrored[d]);
+            whole.points_active *= 2;
+            whole.area_mm2 *= 2.0;
         }
+        whole
     }
 }
 
@@ -201,7 +236,10 @@ pub fn describe(
     let largest = stress.largest_von_mises();
     let is_model = problem.clock == Clock::Steps;
     let first = state.cavity_pressures.first().map_or(0.0, |pressure| pressure.kpa());
-    let has_end_face = !problem.mesh.node_set("end_face").is_empty();
+    let has_end_face = !measures::end_face(problem).is_empty();
+    let parts = problem.parts_of_whole();
+    let whole = |of_part: f64| parts as f64 * of_part;
+    let reactions = measures::reactions(problem, state.reaction)?;
     let summary = StepSummary {
         time: is_model.then_some(state.parameter.0),
         pressure_kpa: if is_model { first } else { state.parameter.0 },
@@ -215,23 +253,24 @@ pub fn describe(
         max_von_mises_at: largest.map_or([0.0; 3], |p| p.position),
         von_mises_p99_mpa: stress.von_mises_quantile(0.99),
         contact: ContactSummary {
-            points_active: contact.points_active,
-            area_mm2: contact.area_mm2,
-            penalty_energy_mj: contact.penalty_energy_mj,
+            points_active: parts * contact.points_active,
+            area_mm2: whole(contact.area_mm2),
+            penalty_energy_mj: whole(contact.penalty_energy_mj),
             max_penetration_mm: penetration.max_penetration_mm(),
-            penetrating_area_mm2: penetration.penetrating_area_mm2(),
+            penetrating_area_mm2: whole(penetration.penetrating_area_mm2()),
             gaps_in_contact: penetration.gaps_in_contact(),
             min_gap_mm: penetration.min_gap_mm(),
         },
         cavity_volume_mm3: measures::cavity_volume(problem, u)?,
         cavities: if is_model { cavities(problem, state)? } else { BTreeMap::new() },
-        reaction_n: measures::reaction(problem, state.reaction, "clamp")?,
-        reactions: if is_model { reactions(problem, state)? } else { BTreeMap::new() },
+        reaction_n: reactions.total,
+        symmetry_reactions: reactions.planes,
+        reactions: if is_model { reactions.supports } else { BTreeMap::new() },
         obstacles: (problem.obstacles.iter().zip(&contact.obstacles))
             .filter(|(obstacle, _)| obstacle.report_force)
-            .map(|(_, found)| (found.name.clone(), found.into()))
+            .map(|(obstacle, found)| (found.name.clone(), ObstacleSummary::of(problem, obstacle, found)))
             .collect(),
-        strain_energy_mj: stress.strain_energy,
+        strain_energy_mj: whole(stress.strain_energy),
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),
         mesh_instability: None,
@@ -248,22 +287,6 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
     problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
 }
 
-/// Sums by name; of every node only what acts along the axes that the support holds.
-fn reactions(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, [f64; 3]>, PostError> {
-    check("reaction", state.reaction.as_flattened(), problem.num_dofs())?;
-    let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
-    for support in &problem.supports {
-        let sum = sums.entry(support.name.clone()).or_default();
-        for &node in &support.nodes {
-            let reaction = state.reaction[node as usize];
-            for axis in (0..3).filter(|&axis| support.axes[axis]) {
-                sum[axis] += reaction[axis];
-            }
-        }
-    }
-    Ok(sums)
-}
-
 fn contact_warning(failure: &str) -> String {
     format!("walls press into each other by more than contact.penetration_tolerance: {failure}")
 }
@@ -275,13 +298,25 @@ fn joined(warnings: [Option<String>; 2]) -> Option<String> {
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_limit(problem);
-    let (_, worst, limit) =
-        beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let worst = beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3));
+    let Some((_, worst, limit)) = worst else { return instability_warning(stress) };
     let [x, y, z] = worst.position;
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: the invariant exceeds 3 \
          by more than {limit:.2}, where these constants have no stiffness left",
         beyond.len()
+    ))
+}
+
+/// For laws without a limit of the invariant.
+fn instability_warning(stress: &stress::StressField) -> Option<String> {
+    let unstable = stress.unstable();
+    let (_, worst) = unstable.iter().max_by(|(_, a), (_, b)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let [x, y, z] = worst.position;
+    Some(format!(
+        "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: there these constants answer more strain \
+         with less stress (Drucker's condition)",
+        unstable.len()
     ))
 }
 
@@ -302,6 +337,7 @@ impl Described {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
+    use pneuflex_model::Shape;
 
     #[test]
     fn a_state_at_rest_is_described() {
@@ -335,6 +371,52 @@ mod tests {
         for key in ["pressure_kpa", "converged", "iterations", "probes", "end_face_angle_deg", "centreline"] {
             assert!(json.get(key).is_some(), "{key}");
         }
+    }
+
+    #[test]
+    fn forces_on_obstacles_are_those_of_the_whole_body() {
+        let mut problem = two_chambers(2.0);
+        let shape = Shape::Plane { point: [3.0, 2.0, 0.1], normal: [0.0, 0.0, 1.0] };
+        let obstacle = |name: &str, shape| Obstacle {
+            name: name.into(),
+            shape,
+            facets: problem.mesh.facet_set("bottom").to_vec(),
+            stiffness: 4.0,
+            motion: None,
+            report_force: true,
+        };
+        let beside = Shape::Sphere { centre: [9.0, 5.0, -1.0], radius: 1.2, is_hollow: false };
+        let obstacles = vec![obstacle("table", shape), obstacle("ball", beside)];
+        problem.obstacles = obstacles;
+        let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        let state = State {
+            parameter: LoadParameter(5.0),
+            cavity_pressures: &[Pressure::from_mpa(0.005)],
+            displacement: &zero,
+            reaction: &zero,
+            iterations: 3,
+            load_steps: 1,
+            contact_multipliers: &[],
+            contact_failure: None,
+        };
+        let of = |problem: &Problem| describe(problem, &BTreeMap::new(), &state).unwrap().summary;
+        let half = of(&problem);
+        let found = half.obstacles["table"];
+        // k d A of 18 mm × 20 mm; its moment about (3, 2, 0.1) from the centre (9, 0).
+        let force = 4.0 * 0.1 * 18.0 * 20.0;
+        assert!((found.force_n[2] + force).abs() < 1e-9 && (found.area_mm2 - 360.0).abs() < 1e-9, "{found:?}");
+        let expected = [2.0 * force, 6.0 * force, 0.0];
+        assert!(found.moment_nmm.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        assert_eq!((found.images, half.obstacles["ball"].images), (1, 2));
+        problem.symmetry.clear();
+        let part = of(&problem);
+        assert_eq!(2.0 * part.cavity_volume_mm3, half.cavity_volume_mm3);
+        assert_eq!(2.0 * part.contact.penalty_energy_mj, half.contact.penalty_energy_mj);
+        assert_eq!(2 * part.obstacles["table"].points_active, found.points_active);
+        assert_eq!(
+            (part.obstacles["ball"].images, part.obstacles["ball"].force_n),
+            (1, half.obstacles["ball"].force_n)
+        );
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl ConservativeLoads {
             };
             let curve = match load {
                 Load::Force { nodes, force, curve } => {
-                    nodes.iter().for_each(|&node| add(node, 1.0, force));
+                    nodes.iter().for_each(|&(node, factor)| add(node, factor, force));
                     curve
                 }
                 Load::Traction { facets, traction, curve } => {
@@ -140,7 +140,7 @@ mod tests {
             let facets = problem.mesh.select_facets(|x| x[0] == 3.0);
             let traction = Load::Traction { facets, traction: [0.5, 0.0, -1.5], curve: curve.clone() };
             let weight = Load::Gravity { elements: None, acceleration: [0.0, 9810.0, 0.0], curve: curve.clone() };
-            let force = Load::Force { nodes: vec![0, 0], force: [1.0, 2.0, 3.0], curve: curve.clone() };
+            let force = Load::Force { nodes: vec![(0, 0.5), (0, 1.5)], force: [1.0, 2.0, 3.0], curve: curve.clone() };
             let mass = 6.0 * 1.1e-9;
             for (load, expected, moment) in [
                 (traction, [1.0, 0.0, -3.0], -1.0),

@@ -121,6 +121,8 @@ impl ReferenceSolver {
             contact: _,
             contact_pairs: _,
             obstacles,
+            // How results of the whole body follow from those of a part.
+            symmetry: _,
             // Words for the load parameter.
             clock: _,
         } = problem;

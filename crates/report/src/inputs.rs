@@ -88,6 +88,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("support.axes", "held axes", ""),
     ("support.displacement", "displacement where the factor is 1", "mm"),
     ("support.factor", "factor at the end, or by time", ""),
+    ("support.symmetry", "plane of symmetry", ""),
     ("equation.terms", "node set, axis, coefficient of each term", ""),
     ("equation.value", "right-hand side at the end, or by time", "mm"),
     ("cavity.name", "name", ""),

@@ -9,9 +9,6 @@ use crate::report::Report;
 /// How far planes and cylinders go on beyond the body, relative to its size.
 const MARGIN: f64 = 0.15;
 
-/// A plane counts as one of symmetry of an obstacle that is this close to it, in mm or relative to 1.
-const SYMMETRY: f64 = 1e-9;
-
 /// An obstacle of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drawn<'a> {
@@ -43,23 +40,6 @@ pub fn drawn<'a>(report: &Report<'a>, origin: [f64; 3]) -> Result<Vec<Drawn<'a>>
     report.problem.obstacles.iter().map(|obstacle| draw(report, obstacle, origin)).collect()
 }
 
-/// Whether an obstacle is its own mirror image at y = 0, wherever it moves.
-pub fn is_symmetric(obstacle: &Obstacle) -> bool {
-    let is_zero = |x: f64| x.abs() <= SYMMETRY;
-    let stays = obstacle.motion.as_ref().is_none_or(|motion| is_zero(motion.displacement[1]));
-    let is_along_y = |direction: [f64; 3]| is_zero(direction[0]) && is_zero(direction[2]);
-    stays
-        && match obstacle.shape {
-            Shape::Plane { normal, .. } => is_zero(unit(normal)[1]),
-            Shape::Sphere { centre, .. } => is_zero(centre[1]),
-            Shape::Cylinder { point, axis, .. } => {
-                let axis = unit(axis);
-                is_along_y(axis) || is_zero(axis[1]) && is_zero(point[1])
-            }
-            Shape::Cuboid { centre, axes, .. } => is_zero(centre[1]) && axes.into_iter().any(is_along_y),
-        }
-}
-
 fn draw<'a>(report: &Report<'a>, obstacle: &'a Obstacle, origin: [f64; 3]) -> Result<Drawn<'a>, ReportError> {
     let drawn = Drawn {
         name: &obstacle.name,
@@ -69,7 +49,7 @@ fn draw<'a>(report: &Report<'a>, obstacle: &'a Obstacle, origin: [f64; 3]) -> Re
         size: [0.0; 3],
         edge_radius: 0.0,
         hollow: false,
-        mirrored: report.mirrored && !is_symmetric(obstacle),
+        mirrored: report.mirror().is_some_and(|plane| !plane.is_symmetry_of(obstacle)),
         path: path(report, obstacle),
     };
     let mut drawn = match obstacle.shape {
@@ -116,7 +96,7 @@ impl Passed {
                 *high = high.max(dot(x, *axis));
             }
         };
-        let halves: &[f64] = if report.mirrored { &[1.0, -1.0] } else { &[1.0] };
+        let halves: &[f64] = if report.mirrored() { &[1.0, -1.0] } else { &[1.0] };
         let mut add_both = |[x, y, z]: [f64; 3], offset| halves.iter().for_each(|sign| add([x, sign * y, z], offset));
         let at_rest = obstacle.offset(LoadParameter::default());
         nodes.iter().for_each(|&x| add_both(x, at_rest));
@@ -189,8 +169,6 @@ mod tests {
     use pneuflex_model::load::Motion;
     use pneuflex_model::{Curve, Formulation};
 
-    const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
     fn obstacle(shape: Shape, motion: Option<Motion>) -> Obstacle {
         Obstacle { name: "o".into(), shape, facets: Vec::new(), stiffness: 1.0, motion, report_force: true }
     }
@@ -203,6 +181,9 @@ mod tests {
     fn with_drawn(obstacles: Vec<Obstacle>, mirrored: bool, check: impl Fn(Result<Vec<Drawn<'_>>, ReportError>)) {
         let mut problem = two_chambers(Formulation::Hex8Sri);
         problem.obstacles = obstacles;
+        if !mirrored {
+            problem.symmetry.clear();
+        }
         let summary: Summary = serde_json::from_value(summary_json(&[2.0])).unwrap();
         let nodes = vec![0.0; problem.mesh.num_nodes()];
         let state = State {
@@ -213,8 +194,7 @@ mod tests {
         };
         let states = [state];
         let (title, about, inputs) = ("", "", &[]);
-        let report =
-            Report { title, about, inputs, mirrored, problem: &problem, summary: &summary, states: Some(&states) };
+        let report = Report { title, about, inputs, problem: &problem, summary: &summary, states: Some(&states) };
         check(drawn(&report, [10.0, 0.0, 0.0]));
     }
 
@@ -266,26 +246,11 @@ mod tests {
 
     #[test]
     fn obstacles_beside_the_plane_of_symmetry_have_a_mirror_image() {
-        let cuboid = |y: f64| Shape::Cuboid { centre: [0.0, y, -9.0], size: [1.0; 3], axes: UPRIGHT, edge_radius: 0.1 };
-        let cylinder = |y: f64, axis| Shape::Cylinder { point: [0.0, y, -9.0], axis, radius: 1.0, is_hollow: false };
-        let plane = |normal| Shape::Plane { point: [0.0, 3.0, -9.0], normal };
-        for (shape, expected) in [
-            (cuboid(0.0), true),
-            (cuboid(2.0), false),
-            (cylinder(2.0, [0.0, 5.0, 0.0]), true),
-            (cylinder(0.0, [3.0, 0.0, 4.0]), true),
-            (cylinder(0.0, [0.0, 1.0, 1.0]), false),
-            (cylinder(2.0, [0.0, 0.0, 1.0]), false),
-            (plane([1.0, 0.0, 1.0]), true),
-            (plane([0.0, 1.0, 1.0]), false),
-        ] {
-            assert_eq!(is_symmetric(&obstacle(shape.clone(), None)), expected, "{shape:?}");
-            assert!(!is_symmetric(&obstacle(shape.clone(), by([0.0, 1.0, 0.0], Curve::Proportional(1.0)))));
-            for is_half in [true, false] {
-                with_drawn(vec![obstacle(shape.clone(), None)], is_half, |found| {
-                    assert_eq!(found.unwrap()[0].mirrored, is_half && !expected, "{shape:?}");
-                });
-            }
+        let sphere = |y: f64| Shape::Sphere { centre: [10.0, y, -9.0], radius: 1.0, is_hollow: false };
+        for (y, is_half, expected) in [(0.0, true, false), (2.0, true, true), (2.0, false, false)] {
+            with_drawn(vec![obstacle(sphere(y), None)], is_half, |found| {
+                assert_eq!(found.unwrap()[0].mirrored, expected, "{y} {is_half}");
+            });
         }
     }
 

@@ -1,5 +1,6 @@
 //! The data that the page's modules work on, as JSON.
 
+use pneuflex_model::SymmetryPlane;
 use serde::Serialize;
 
 use crate::body::Body;
@@ -96,17 +97,18 @@ pub fn for_script(json: &str) -> String {
 fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a>, ReportError> {
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
-    let symmetry = if report.mirrored { mesh.node_set("symmetry") } else { &[] };
+    let held = |plane: &SymmetryPlane| &report.problem.supports[plane.support].nodes[..];
+    let symmetry = report.mirror().map_or(&[][..], held);
     let skin = Skin::new(mesh, &report.problem.cavity_facets(), symmetry, &body);
     // The mirror image is one at y = 0.
-    let origin = if report.mirrored { [0.0; 3] } else { centre(&mesh.nodes) };
+    let origin = if report.mirrored() { [0.0; 3] } else { centre(&mesh.nodes) };
     let nodes: Vec<f64> = body.nodes.iter().flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect();
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
     let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);
     let p99 = report.summary.reached().map(|(_, reached)| reached.von_mises_p99_mpa);
     Ok(BodyData {
-        mirrored: report.mirrored,
+        mirrored: report.mirrored(),
         origin,
         nodes: floats(&nodes),
         elements: integers(&body.connectivity),

@@ -1,6 +1,6 @@
 //! What a report is made of.
 
-use pneuflex_model::{Clock, Problem};
+use pneuflex_model::{Clock, Problem, SymmetryPlane};
 
 use crate::inputs::Group;
 use crate::numbers::number;
@@ -16,9 +16,7 @@ pub struct Report<'a> {
     pub about: &'a str,
     /// The case or the model as it was solved, see [`crate::inputs::groups`].
     pub inputs: &'a [Group],
-    /// Whether the problem is one half (y ≥ 0) of a body that is symmetric to y = 0.
-    pub mirrored: bool,
-    /// The problem that was solved.
+    /// The problem that was solved; numbers are those of the whole body, also where a part of it was modelled.
     pub problem: &'a Problem,
     /// What the run says of itself.
     pub summary: &'a Summary,
@@ -27,9 +25,14 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// How many of the modelled part make the whole body.
-    pub fn halves(&self) -> f64 {
-        if self.mirrored { 2.0 } else { 1.0 }
+    /// Whether the body is drawn with its mirror image at y = 0.
+    pub(crate) fn mirrored(&self) -> bool {
+        self.mirror().is_some()
+    }
+
+    /// The plane of symmetry y = 0, if the body is cut there.
+    pub(crate) fn mirror(&self) -> Option<&SymmetryPlane> {
+        self.problem.symmetry.iter().find(|plane| plane.axis == 1 && plane.at == 0.0)
     }
 
     /// Whether there are walls that may touch each other.
@@ -40,11 +43,6 @@ impl Report<'_> {
     /// Whether there is contact to be shown.
     pub(crate) fn may_touch(&self) -> bool {
         self.has_walls() || !self.problem.obstacles.is_empty()
-    }
-
-    /// Whether a support holds the whole body, and not just the modelled half at its plane of symmetry.
-    pub(crate) fn holds_whole(&self, support: &str) -> bool {
-        !(self.mirrored && support == "symmetry")
     }
 
     /// What the body is called.

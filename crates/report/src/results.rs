@@ -1,13 +1,11 @@
 //! The table of results at every requested pressure or time.
 
 use maud::{Markup, html};
-use pneuflex_model::Clock;
+use pneuflex_model::{Clock, SymmetryPlane};
 
 use crate::numbers::{fixed, number};
-use crate::obstacles::is_symmetric;
 use crate::report::Report;
-use crate::series::{force_on_obstacle, halves_at, whole_force};
-use crate::summary::Reached;
+use crate::summary::{Reached, Step};
 
 /// Digits that count in the largest number of a column, at the least.
 const DIGITS: i32 = 3;
@@ -46,8 +44,14 @@ impl Column {
 pub fn results(report: &Report<'_>) -> Markup {
     let columns = columns(report);
     let mut reached = 0..;
-    let rows: Vec<_> =
-        report.summary.steps.iter().map(|step| (step, step.reached.as_ref().and_then(|_| reached.next()))).collect();
+    // Those on the way before the one that was missed, which they lead to.
+    let (requested, on_the_way) = (&report.summary.steps, &report.summary.on_the_way);
+    let (found, missed): (Vec<&Step>, Vec<&Step>) = requested.iter().partition(|step| step.reached.is_some());
+    let marked = |is_on_the_way: bool| move |step| (step, is_on_the_way);
+    let steps = found.into_iter().map(marked(false)).chain(on_the_way.iter().map(marked(true)));
+    let rows: Vec<_> = (steps.chain(missed.into_iter().map(marked(false))))
+        .map(|(step, is_on_the_way)| (step, is_on_the_way, step.reached.as_ref().and_then(|_| reached.next())))
+        .collect();
     html! {
         section .sheet {
             h2 { "Results at the computed " (report.parameter()) "s" }
@@ -61,9 +65,12 @@ pub fn results(report: &Report<'_>) -> Markup {
                         }
                     }
                     tbody {
-                        @for (step, row) in &rows {
+                        @for (step, is_on_the_way, row) in &rows {
                             tr .missed[row.is_none()] {
-                                th scope="row" { (number(step.when())) }
+                                th scope="row" {
+                                    (number(step.when()))
+                                    @if *is_on_the_way { " " span .unit { "on the way" } }
+                                }
                                 @match row {
                                     Some(row) => @for column in &columns { td { (column.cells[*row]) } },
                                     None => td colspan=(columns.len()) { "not reached" },
@@ -74,13 +81,20 @@ pub fn results(report: &Report<'_>) -> Markup {
                     }
                 }
             }
-            @if report.mirrored {
+            @if !report.problem.symmetry.is_empty() {
                 p .note {
-                    "Areas, volumes and forces are those of the whole " (report.noun()) "; summary.json holds those of the modelled half."
+                    "Areas, volumes, forces and energies are those of the whole " (report.noun()) ", of which one "
+                    (report.problem.modelled_part()) " was modelled (symmetric to " (planes(report)) ")."
                 }
             }
-            @if report.mirrored && !report.problem.obstacles.iter().all(is_symmetric) {
+            @if report.problem.obstacles.iter().any(|thing| report.problem.symmetry.iter().any(|plane| !plane.is_symmetry_of(thing))) {
                 p .note { "An obstacle beside the plane of symmetry stands for two: the force is that on one of them." }
+            }
+            @if !on_the_way.is_empty() {
+                p .note {
+                    "States on the way were not asked for: they lie between the last " (report.parameter()) " that was reached and where the \
+                     run ended, and are solved well enough to go on from; the last one is solved as far as was possible."
+                }
             }
             p .note {
                 "99 % of the volume carries no more than the von Mises stress, 99 %. The largest value sits at a sharp inner \
@@ -91,7 +105,7 @@ pub fn results(report: &Report<'_>) -> Markup {
 }
 
 fn columns(report: &Report<'_>) -> Vec<Column> {
-    let (summary, halves) = (report.summary, report.halves());
+    let summary = report.summary;
     let is_model = report.problem.clock == Clock::Steps;
     let reached = || summary.reached().map(|(_, reached)| reached);
     let one = |heading: &str, unit, decimals, of: &dyn Fn(&Reached) -> Option<f64>| {
@@ -105,7 +119,7 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
         let cavity = |step: &Reached| step.cavities.get(name).copied();
         columns.push(one(&format!("{name}: pressure"), "kPa", 2, &|step| cavity(step)?.pressure_kpa));
         if reached().any(|step| cavity(step).is_some_and(|cavity| cavity.volume_mm3.is_some())) {
-            let volume = |step: &Reached| Some(halves * cavity(step)?.volume_mm3?);
+            let volume = |step: &Reached| cavity(step)?.volume_mm3;
             columns.push(one(&format!("{name}: volume"), "mm³", 1, &volume));
         }
     }
@@ -113,30 +127,40 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
         let of = reached().map(|step| step.probes.get(name).copied());
         columns.push(Column::new(&format!("{name}: displacement x, y, z"), "mm", 3, of));
     }
-    for name in names(reached().map(|step| step.reactions.keys().filter(|name| report.holds_whole(name)))) {
-        let of = reached().map(|step| step.reactions.get(name).map(|force| whole_force(report, *force)));
+    for name in names(reached().map(|step| step.reactions.keys())) {
+        let of = reached().map(|step| step.reactions.get(name).copied());
         columns.push(Column::new(&format!("{name}: reaction x, y, z"), "N", 3, of));
     }
+    if is_model {
+        for name in names(reached().map(|step| step.symmetry_reactions.keys())) {
+            let of = reached().map(|step| step.symmetry_reactions.get(name).copied());
+            columns.push(Column::new(&format!("across {name}: force x, y, z"), "N", 3, of));
+        }
+    }
     for name in names(reached().map(|step| step.obstacles.keys())) {
-        let of =
-            reached().map(|step| step.obstacles.get(name)?.force_n.map(|force| force_on_obstacle(report, name, force)));
+        let of = reached().map(|step| step.obstacles.get(name)?.force_n);
         columns.push(Column::new(&format!("{name}: force on it x, y, z"), "N", 3, of));
-        let area = |step: &Reached| Some(halves_at(report, name) * step.obstacles.get(name)?.area_mm2?);
+        let area = |step: &Reached| step.obstacles.get(name)?.area_mm2;
         columns.push(one(&format!("{name}: contact area"), "mm²", 1, &area));
     }
     columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
     columns.push(one("von Mises, largest", "MPa", 4, &|step| Some(step.max_von_mises_mpa)));
     if report.has_walls() {
-        columns.push(one("contact area", "mm²", 1, &|step| Some(halves * step.contact.area_mm2)));
+        columns.push(one("contact area", "mm²", 1, &|step| Some(step.contact.area_mm2)));
         let gaps = if is_model { "pairs in contact" } else { "gaps in contact" };
         let cells = reached().map(|step| step.contact.gaps_in_contact.to_string()).collect();
         columns.push(Column { heading: gaps.into(), unit: "–", cells });
         columns.push(one("penetration", "mm", 4, &|step| Some(step.contact.max_penetration_mm)));
     }
     if !is_model {
-        columns.push(one("air volume", "cm³", 3, &|step| Some(halves * step.cavity_volume_mm3 / 1000.0)));
+        columns.push(one("air volume", "cm³", 3, &|step| Some(step.cavity_volume_mm3 / 1000.0)));
     }
     columns
+}
+
+/// The planes of symmetry in words.
+fn planes(report: &Report<'_>) -> String {
+    report.problem.symmetry.iter().map(SymmetryPlane::words).collect::<Vec<_>>().join(", ")
 }
 
 /// All names, each once.

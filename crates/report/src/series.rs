@@ -7,7 +7,6 @@ use pneuflex_post::measures;
 use serde::Serialize;
 
 use crate::error::ReportError;
-use crate::obstacles::is_symmetric;
 use crate::report::Report;
 use crate::state::State;
 use crate::summary::{Obstacle, Reached};
@@ -24,11 +23,13 @@ const ROUNDING: f64 = 1e-9;
 /// mm³ from which volumes are in cm³.
 const LARGE: f64 = 1000.0;
 
-/// Numbers at rest and at every reached step, for the whole body even if a half of it was modelled.
+/// Numbers at rest and at every reached step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
     /// The parameter of the load path, kPa for actuators: 0, then that of the reached steps.
     pub times: Vec<f64>,
+    /// How many of them, at the end, were not asked for: states on the way of a run that ended early.
+    pub on_the_way: usize,
     /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centrelines: Option<Vec<Vec<[f64; 2]>>>,
@@ -89,28 +90,13 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     }
     let collect = Collect { report, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
     let (key_numbers, plots) = collect.plots()?;
-    let series = Series { times, centrelines: collect.centrelines()?, key_numbers, plots };
+    let on_the_way = report.summary.on_the_way.iter().filter(|step| step.reached.is_some()).count();
+    let series = Series { times, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots };
     let of_plots = (series.plots.iter().chain(&series.key_numbers))
         .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
         .flatten();
     let of_lines = series.centrelines.iter().flatten().flatten().flatten();
     if of_plots.chain(of_lines).all(|x| x.is_finite()) { Ok(series) } else { not_finite() }
-}
-
-/// A force on the whole body from that on the modelled part.
-pub fn whole_force(report: &Report<'_>, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    if report.mirrored { [2.0 * x, 0.0, 2.0 * z] } else { [x, y, z] }
-}
-
-/// How many modelled parts touch an obstacle: one that is beside the plane of symmetry has a mirror image of its own.
-pub fn halves_at(report: &Report<'_>, obstacle: &str) -> f64 {
-    let found = report.problem.obstacles.iter().find(|known| known.name == obstacle);
-    if found.is_none_or(is_symmetric) { report.halves() } else { 1.0 }
-}
-
-/// The force on an obstacle from that of the modelled part.
-pub fn force_on_obstacle(report: &Report<'_>, name: &str, force: [f64; 3]) -> [f64; 3] {
-    if halves_at(report, name) > 1.0 { whole_force(report, force) } else { force }
 }
 
 /// Collects the curves of a report.
@@ -124,7 +110,6 @@ impl Collect<'_> {
     /// The numbers beside the slider, and the plots.
     fn plots(&self) -> Result<(Vec<Plot>, Vec<Plot>), ReportError> {
         let is_model = self.report.problem.clock == Clock::Steps;
-        let halves = self.report.halves();
         let mut key_numbers = Vec::new();
         let mut plots = Vec::new();
         if let Some(angle) = self.column(|reached| reached.end_face_angle_deg) {
@@ -143,24 +128,22 @@ impl Collect<'_> {
             }
             plots.extend(self.cavity_plots(cavities)?);
             plots.extend(grouped("Displacement", "mm", displacements));
-            let force = |force: &[f64; 3]| Some(length(whole_force(self.report, *force)));
+            let force = |force: &[f64; 3]| Some(length(*force));
             let mut reactions = self.named(|reached| &reached.reactions, force);
             reactions.sort_by(|a, b| largest(&b.values).total_cmp(&largest(&a.values)));
             let least = ROUNDING * reactions.first().map_or(0.0, |curve| largest(&curve.values));
-            reactions.retain(|curve| self.report.holds_whole(&curve.name) && largest(&curve.values) > least);
+            reactions.retain(|curve| largest(&curve.values) > least);
             reactions.truncate(CURVES);
             plots.extend(grouped("Reaction", "N", reactions));
         } else {
             let at_rest = measures::cavity_volume(self.report.problem, &self.rest)?;
             let volumes =
                 self.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
-            let volumes = volumes.into_iter().map(|mm3| halves * mm3 / LARGE).collect();
+            let volumes = volumes.into_iter().map(|mm3| mm3 / LARGE).collect();
             plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
         }
-        let force = |name: &str, obstacle: &Obstacle| {
-            obstacle.force_n.map(|force| length(force_on_obstacle(self.report, name, force)))
-        };
-        plots.extend(grouped("Force on obstacles", "N", self.of_obstacles(force)));
+        let force = |obstacle: &Obstacle| obstacle.force_n.map(length);
+        plots.extend(grouped("Force on obstacles", "N", self.named(|reached| &reached.obstacles, force)));
         plots.extend(self.contact_areas());
         let stress = self.column(|reached| Some(reached.von_mises_p99_mpa)).unwrap_or_default();
         plots.push(single("von Mises stress, 99 %", "MPa", stress));
@@ -186,20 +169,10 @@ impl Collect<'_> {
         of(first).keys().filter_map(curve).collect()
     }
 
-    /// A curve for every obstacle that has a value at every reached step.
-    fn of_obstacles(&self, value: impl Fn(&str, &Obstacle) -> Option<f64>) -> Vec<Curve> {
-        let Some((_, first)) = self.report.summary.reached().next() else { return Vec::new() };
-        let curve = |name: &String| {
-            let values = self.column(|reached| value(name, reached.obstacles.get(name)?))?;
-            Some(Curve { name: name.clone(), values })
-        };
-        first.obstacles.keys().filter_map(curve).collect()
-    }
-
     /// Contact between walls, and on every obstacle.
     fn contact_areas(&self) -> Vec<Plot> {
-        let mut curves = self.of_obstacles(|name, obstacle| Some(halves_at(self.report, name) * obstacle.area_mm2?));
-        if let Some(values) = self.column(|reached| Some(self.report.halves() * reached.contact.area_mm2))
+        let mut curves = self.named(|reached| &reached.obstacles, |obstacle| obstacle.area_mm2);
+        if let Some(values) = self.column(|reached| Some(reached.contact.area_mm2))
             && self.report.has_walls()
         {
             let name = if curves.is_empty() { String::new() } else { "between walls".into() };
@@ -219,7 +192,6 @@ impl Collect<'_> {
             let at_rest = measures::volume(self.report.problem, cavity, &self.rest)?;
             let of = |reached: &Reached| reached.cavities.get(&cavity.name)?.volume_mm3;
             if let Some(values) = self.column_from(at_rest, of) {
-                let values = values.into_iter().map(|mm3| self.report.halves() * mm3).collect();
                 volumes.push(Curve { name: cavity.name.clone(), values });
             }
         }
@@ -293,13 +265,14 @@ mod tests {
     use super::*;
     use crate::summary::Summary;
     use crate::testing::{summary_json, two_chambers};
-    use pneuflex_model::{Formulation, Problem, Shape};
+    use pneuflex_model::{Formulation, Problem};
     use serde_json::{Value, json};
 
     /// A pumped chamber with a support and an obstacle, at the times 1 and 2.
     fn model() -> (Problem, Value) {
         let mut problem = two_chambers(Formulation::Hex8Sri);
         problem.clock = Clock::Steps;
+        problem.symmetry.clear();
         problem.cavities[0].control = Control::Volume(pneuflex_model::Curve::Proportional(10.0));
         let mut summary = summary_json(&[1.0, 2.0]);
         for step in summary["steps"].as_array_mut().unwrap() {
@@ -309,16 +282,16 @@ mod tests {
             step.as_object_mut().unwrap().remove("end_face_angle_deg");
             step["centreline"] = json!([]);
             step["cavities"] = json!({"cavity": {"pressure_kpa": 7.0 * time, "volume_mm3": 900.0 + 10.0 * time}});
-            step["reactions"] = json!({"clamp": [3.0 * time, 1.0, 4.0 * time], "symmetry": [0.0, 9.0, 0.0]});
+            step["reactions"] = json!({"clamp": [3.0 * time, 1.0, 4.0 * time], "middle": [0.0, 0.0, 0.0]});
             step["obstacles"] =
                 json!({"ball": {"force_n": [0.0, 0.5, time], "moment_nmm": [0, 0, 0], "area_mm2": 3.0 * time}});
         }
         (problem, summary)
     }
 
-    fn of_summary(problem: &Problem, summary: Value, mirrored: bool) -> Result<Series, ReportError> {
+    fn of_summary(problem: &Problem, summary: Value) -> Result<Series, ReportError> {
         let summary: Summary = serde_json::from_value(summary).unwrap();
-        of(&Report { title: "", about: "", inputs: &[], mirrored, problem, summary: &summary, states: None })
+        of(&Report { title: "", about: "", inputs: &[], problem, summary: &summary, states: None })
     }
 
     fn plot<'a>(series: &'a Series, name: &str) -> Option<&'a Plot> {
@@ -328,7 +301,7 @@ mod tests {
     #[test]
     fn a_model_is_plotted_against_time_and_a_pumped_cavity_against_its_volume() {
         let (problem, summary) = model();
-        let series = of_summary(&problem, summary.clone(), false).unwrap();
+        let series = of_summary(&problem, summary.clone()).unwrap();
         assert_eq!(series.times, [0.0, 1.0, 2.0]);
         assert!(series.centrelines.is_none() && plot(&series, "Bending angle").is_none());
         let pumped = plot(&series, "Pressure, cavity").unwrap();
@@ -338,34 +311,10 @@ mod tests {
         assert_eq!((&volume.values[..], volume.unit), (&[at_rest, 910.0, 920.0][..], "mm³"));
         assert!(plot(&series, "Cavity pressure").is_none() && plot(&series, "Cavity volume").is_none());
         let reactions = &plot(&series, "Reaction").unwrap().curves;
-        assert_eq!(reactions.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>(), ["clamp", "symmetry"]);
+        assert_eq!(reactions.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>(), ["clamp"]);
         assert!((reactions[0].values[2] - 101_f64.sqrt()).abs() < 1e-12);
         assert!((plot(&series, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
         assert_eq!(plot(&series, "Displacement").unwrap().curves[0].values[0], 0.0);
-
-        // Beside the plane of symmetry there are two of it, and each is touched by one half.
-        let shape = Shape::Sphere { centre: [9.0, 9.0, -9.0], radius: 1.0, is_hollow: false };
-        let ball = pneuflex_model::Obstacle {
-            name: "ball".into(),
-            shape,
-            facets: vec![],
-            stiffness: 1.0,
-            motion: None,
-            report_force: true,
-        };
-        let beside = Problem { obstacles: vec![ball], ..problem.clone() };
-        let beside = of_summary(&beside, summary.clone(), true).unwrap();
-        assert!((plot(&beside, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(plot(&beside, "Contact area").unwrap().curves[1].values, [0.0, 3.0, 6.0]);
-
-        // Forces on the whole of a half: across the plane they cancel, along it they double; its plane holds nothing.
-        let whole = of_summary(&problem, summary, true).unwrap();
-        let reactions = &plot(&whole, "Reaction").unwrap().curves;
-        assert_eq!((reactions.len(), &reactions[0].values[..]), (1, &[0.0, 10.0, 20.0][..]));
-        assert_eq!(plot(&whole, "Force on obstacles").unwrap().curves[0].values[1], 2.0);
-        let areas = &plot(&whole, "Contact area").unwrap().curves;
-        assert_eq!((&areas[0].values[..], &areas[1].values[..]), (&[0.0, 2.0, 4.0][..], &[0.0, 6.0, 12.0][..]));
-        assert_eq!(plot(&whole, "Pressure, cavity").unwrap().over.as_ref().unwrap().values[2], 1.84);
     }
 
     #[test]
@@ -374,7 +323,7 @@ mod tests {
         problem.cavities[0].control = Control::Pressure(pneuflex_model::Curve::ZERO);
         summary["steps"][1]["cavities"]["cavity"].as_object_mut().unwrap().remove("volume_mm3");
         summary["steps"][0].as_object_mut().unwrap().remove("obstacles");
-        let series = of_summary(&problem, summary.clone(), false).unwrap();
+        let series = of_summary(&problem, summary.clone()).unwrap();
         assert!(plot(&series, "Cavity pressure").is_some() && plot(&series, "Cavity volume").is_none());
         assert!(plot(&series, "Force on obstacles").is_none());
         for step in summary["steps"].as_array_mut().unwrap() {
@@ -383,10 +332,10 @@ mod tests {
             }
         }
         let names: Vec<String> =
-            of_summary(&problem, summary.clone(), false).unwrap().plots.into_iter().map(|plot| plot.name).collect();
+            of_summary(&problem, summary.clone()).unwrap().plots.into_iter().map(|plot| plot.name).collect();
         assert_eq!(names, ["Contact area", "von Mises stress, 99 %"]);
         summary["steps"][1]["time"] = 0.5.into();
-        assert_eq!(of_summary(&problem, summary, false), Err(ReportError::Order));
+        assert_eq!(of_summary(&problem, summary), Err(ReportError::Order));
     }
 
     #[test]

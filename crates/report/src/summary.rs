@@ -4,9 +4,19 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+/// Number of the form that numbers of the whole body have.
+pub const FORMAT: u32 = 2;
+
+fn first_format() -> u32 {
+    1
+}
+
 /// A run's summary.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Summary {
+    /// Number of its form; those of another form than this one's mean something else.
+    #[serde(default = "first_format")]
+    pub format: u32,
     /// Title of the case.
     #[serde(default)]
     pub title: String,
@@ -28,6 +38,9 @@ pub struct Summary {
     pub probes: BTreeMap<String, ProbeSite>,
     /// Requested pressures or times in increasing order.
     pub steps: Vec<Step>,
+    /// States of a run that ended early, beyond the last requested one that was reached; the last converged one comes last.
+    #[serde(default)]
+    pub on_the_way: Vec<Step>,
     /// Newton iterations.
     #[serde(default)]
     pub iterations_total: usize,
@@ -65,8 +78,9 @@ pub struct Step {
     /// Time; left out for actuators.
     #[serde(default)]
     pub time: Option<f64>,
-    /// Air pressure, kPa; that of the first cavity of a model.
-    pub pressure_kpa: f64,
+    /// Air pressure, kPa; that of the first cavity of a model. Left out at a time that was missed and for which none is given.
+    #[serde(default)]
+    pub pressure_kpa: Option<f64>,
     /// Whether it was reached.
     pub converged: bool,
     /// Newton iterations spent since the previous step.
@@ -95,7 +109,7 @@ pub struct Reached {
     pub von_mises_p99_mpa: f64,
     /// Contact.
     pub contact: Contact,
-    /// Volume of the modelled air, mm³.
+    /// Volume of the air, mm³.
     pub cavity_volume_mm3: f64,
     /// Cavities of a model, by name.
     #[serde(default)]
@@ -103,6 +117,9 @@ pub struct Reached {
     /// Sums of the reactions of a model's supports, N, by name.
     #[serde(default)]
     pub reactions: BTreeMap<String, [f64; 3]>,
+    /// Forces across the planes of symmetry, N, by their words.
+    #[serde(default)]
+    pub symmetry_reactions: BTreeMap<String, [f64; 3]>,
     /// Rigid obstacles, by name.
     #[serde(default)]
     pub obstacles: BTreeMap<String, Obstacle>,
@@ -117,7 +134,7 @@ pub struct Cavity {
     /// Pressure above the atmosphere's, kPa.
     #[serde(default)]
     pub pressure_kpa: Option<f64>,
-    /// Volume of what is modelled of it, mm³; left out for an open one.
+    /// Volume, mm³; left out for an open one.
     #[serde(default)]
     pub volume_mm3: Option<f64>,
 }
@@ -189,9 +206,9 @@ pub struct Warning {
 }
 
 impl Step {
-    /// The time of the load path: the air pressure in kPa of an actuator.
+    /// The time of the load path: the air pressure in kPa of an actuator. NaN where the file gives neither.
     pub fn when(&self) -> f64 {
-        self.time.unwrap_or(self.pressure_kpa)
+        self.time.or(self.pressure_kpa).unwrap_or(f64::NAN)
     }
 }
 
@@ -201,9 +218,9 @@ impl Summary {
         self.status == "converged"
     }
 
-    /// The pressures (kPa) or times that were reached, with what was found there.
+    /// The pressures (kPa) or times that were reached with what was found there, those on the way at the end.
     pub fn reached(&self) -> impl Iterator<Item = (f64, &Reached)> {
-        self.steps.iter().filter_map(|step| Some((step.when(), step.reached.as_ref()?)))
+        self.steps.iter().chain(&self.on_the_way).filter_map(|step| Some((step.when(), step.reached.as_ref()?)))
     }
 
     /// The warnings; those that older versions attached to steps if there is no list of them.
@@ -229,6 +246,18 @@ mod tests {
         let summary: Summary = serde_json::from_value(value).unwrap();
         assert_eq!((summary.steps.len(), summary.reached().count()), (2, 1));
         assert_eq!(summary.steps[1].iterations, 4);
+        assert_eq!((summary.format, summary.steps[0].when()), (1, 5.0));
+    }
+
+    #[test]
+    fn states_on_the_way_come_after_the_requested_ones() {
+        let mut value = testing::summary_json(&[5.0, 7.5]);
+        let on_the_way = value["steps"].as_array_mut().unwrap().pop().unwrap();
+        value["on_the_way"] = serde_json::json!([on_the_way]);
+        value["steps"].as_array_mut().unwrap().push(serde_json::json!({"time": 9.0, "converged": false}));
+        let summary: Summary = serde_json::from_value(value).unwrap();
+        assert_eq!(summary.reached().map(|(when, _)| when).collect::<Vec<_>>(), [5.0, 7.5]);
+        assert_eq!((summary.steps[1].when(), summary.steps[1].pressure_kpa), (9.0, None));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::summary::{Summary, Warning};
 pub fn notices(report: &Report<'_>) -> Markup {
     let summary = report.summary;
     let reached = summary.reached().last().map(|(time, _)| report.words(time));
+    let on_the_way = !summary.on_the_way.is_empty();
     let warnings = summary.all_warnings();
     html! {
         @if !summary.is_converged() {
@@ -18,8 +19,13 @@ pub fn notices(report: &Report<'_>) -> Markup {
                 @if let Some(failure) = &summary.failure { p { (failure) } }
                 @if let Some(reason) = &summary.failure_reason { p { "What to try: " (reason.advice) "." } }
                 @match reached {
+                    Some(reached) if on_the_way => p {
+                        "Everything below shows what was reached. The last shape, at " strong { (reached) }
+                        ", lies on the way to the next requested " (report.parameter())
+                        ": it is the one that is shown first."
+                    },
                     Some(reached) => p { "Everything below shows what was reached, up to " strong { (reached) } "." },
-                    None => p { "No " (report.parameter()) " was reached: there is nothing to show but the " (report.noun()) " at rest." },
+                    None => p { "No equilibrium was found: there is nothing to show but the " (report.noun()) " at rest." },
                 }
             }
         }

@@ -55,7 +55,6 @@ impl Folder {
             title: &case.title,
             about: "2 chambers",
             inputs: &groups(case),
-            mirrored: true,
             problem,
             summary: &summary,
             states: Some(&states),

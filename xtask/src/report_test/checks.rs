@@ -123,7 +123,7 @@ pub fn look_at_the_ball(
     let last = results.summary["steps"].as_array().and_then(|steps| steps.last()).ok_or("no steps")?;
     let force = last["obstacles"]["ball"]["force_n"].as_array().ok_or("no force on the ball")?;
     let force: Vec<f64> = force.iter().filter_map(Value::as_f64).collect();
-    let whole = 2.0 * force[0].hypot(force[2]);
+    let whole = force[0].hypot(force[2]);
     let plots = visit.text("#plots")?;
     expect(plots.contains(&format!("ball\n{whole:.3} N")), || format!("no force of {whole} N: {plots}"))?;
 

@@ -264,7 +264,7 @@ pub fn half_whole(extent: Extent, solutions: &Solutions) -> Outcome<Statement> {
         let on = on(body, mesh);
         statement.at_most("relative difference of the displacements", &on, relative_difference(&u, &other), 1e-8, "");
         let points = half.step(PICTURED)?.contact.points_active as f64;
-        statement.at_least("contact points of the half model", &on, points, 1.0, "");
+        statement.at_least("contact points", &on, points, 1.0, "");
     }
     Ok(statement)
 }

@@ -132,7 +132,7 @@ fn a_folder_that_goes_away_is_one_clear_error() {
     fs::rename(scratch.path("out"), scratch.path("elsewhere")).unwrap();
     let end = ended(child.wait_with_output().unwrap());
     assert_eq!(end.code, 1, "{end:?}");
-    let errors: Vec<_> = end.err.lines().filter(|line| line.contains("error")).collect();
+    let errors: Vec<_> = end.err.lines().filter(|line| line.starts_with("error")).collect();
     assert!(errors.len() == 1 && errors[0].contains("gone away"), "{}", end.err);
     assert!(!scratch.path("out").exists());
 }

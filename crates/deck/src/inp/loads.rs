@@ -211,11 +211,12 @@ impl Loads {
             if curve == pneuflex_model::Curve::ZERO {
                 continue;
             }
-            let mut forces: BTreeMap<u8, Vec<u32>> = BTreeMap::new();
+            // *CLOAD is the force on every single node.
+            let mut forces: BTreeMap<u8, Vec<(u32, f64)>> = BTreeMap::new();
             let mut facets: [Vec<Facet>; 2] = [Vec::new(), Vec::new()];
             for component in components {
                 match component {
-                    Component::Force(node, axis) => forces.entry(axis).or_default().push(node),
+                    Component::Force(node, axis) => forces.entry(axis).or_default().push((node, 1.0)),
                     Component::ElementPressure(facet) => facets[0].push(facet),
                     Component::SurfacePressure(facet) => facets[1].push(facet),
                     Component::Gravity(number, axis) => found.push(Load::Gravity {

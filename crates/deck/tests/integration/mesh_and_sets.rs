@@ -1,6 +1,6 @@
 //! Nodes, elements, sets, surfaces, instances.
 
-use crate::support::{CUBES, MATERIAL, NODES, STEP, cubes, deck, errors, node, notes, numbers};
+use crate::support::{CUBES, MATERIAL, NODES, STEP, cubes, deck, errors, loaded, node, notes, numbers};
 use pneuflex_mesh::{ElementKind, Facet};
 use pneuflex_model::Formulation;
 
@@ -108,7 +108,7 @@ fn linear_tetrahedra_get_shared_mid_edge_nodes_which_follow_their_sets() {
     assert_eq!(held[3 * between..3 * between + 3], [true, false, true]);
     assert_eq!(held.iter().filter(|held| **held).count(), 6 + 3);
     let [pneuflex_model::load::Load::Force { nodes, .. }] = &deck.problem.loads[..] else { panic!() };
-    assert_eq!(numbers(&deck, nodes), [2, 5]);
+    assert_eq!(loaded(&deck, nodes), [2, 5]);
     assert!(deck.notes[0].to_string().starts_with("a.inp:7: C3D4 is solved with tet10"), "{}", deck.notes[0]);
 }
 

@@ -1,6 +1,6 @@
 //! Supports, loads, amplitudes, steps, contact.
 
-use crate::support::{cubes, deck, errors, node, notes, numbers};
+use crate::support::{cubes, deck, errors, loaded, node, notes, numbers};
 use pneuflex_mesh::Facet;
 use pneuflex_model::load::Load;
 use pneuflex_model::{ContactMethod, Curve, LoadParameter};
@@ -61,7 +61,7 @@ fn forces_grow_add_up_and_are_taken_away() {
         .loads
         .iter()
         .map(|load| match load {
-            Load::Force { nodes, force, curve } => (numbers(&deck, nodes), *force, curve.clone()),
+            Load::Force { nodes, force, curve } => (loaded(&deck, nodes), *force, curve.clone()),
             _ => panic!(),
         })
         .collect();
@@ -119,7 +119,7 @@ fn amplitudes_shape_values() {
     );
     let deck = deck(&(text + "*STEP, NLGEOM\n*STATIC\n*END STEP\n"));
     let curve = |number: i32| {
-        let is_on = |load: &&Load| matches!(load, Load::Force { nodes, .. } if numbers(&deck, nodes) == [number]);
+        let is_on = |load: &&Load| matches!(load, Load::Force { nodes, .. } if loaded(&deck, nodes) == [number]);
         let Some(Load::Force { curve, .. }) = deck.problem.loads.iter().find(is_on) else { panic!() };
         curve
     };

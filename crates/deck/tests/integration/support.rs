@@ -75,6 +75,12 @@ pub fn node(deck: &Deck, number: i32) -> u32 {
     deck.node_labels.iter().position(is_it).unwrap_or_else(|| panic!("no node {number}")) as u32
 }
 
+/// The deck's numbers of the nodes that a force acts on, all with the factor 1.
+pub fn loaded(deck: &Deck, nodes: &[(u32, f64)]) -> Vec<i32> {
+    assert!(nodes.iter().all(|(_, factor)| *factor == 1.0), "{nodes:?}");
+    numbers(deck, &nodes.iter().map(|(node, _)| *node).collect::<Vec<_>>())
+}
+
 /// The deck's numbers of nodes of ours, ascending.
 pub fn numbers(deck: &Deck, nodes: &[u32]) -> Vec<i32> {
     let mut found: Vec<i32> =

@@ -2,19 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_mesh::{Actuator, Facet, Mesh};
 
 use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
+use crate::contact_stiffness;
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{Contact, ContactMethod, Solver};
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
 use crate::range_check::CaseError;
 use crate::series::Series;
+use crate::symmetry_check::{BoxSide, ProblemPart, WHOLE_ACTUATOR};
 use crate::units::MPA_PER_KPA;
 
-/// Default penalty stiffness of contact: this many times the shear modulus over the size of the slave's faces.
-const STIFFNESS: f64 = 10.0;
+/// Largest error of the volume of a region that is given by a box.
+const BOX_VOLUME: f64 = 0.05;
 
 /// Step sizes by default, relative to the last time: first, largest, smallest.
 const STEPS: [f64; 3] = [0.1, 1.0, 1e-5];
@@ -36,7 +38,9 @@ impl Model {
     /// # Errors
     /// Every set that does not exist or is empty, and what is missing.
     pub fn study(&self, body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
-        let mut build = Build { problem: body, errors: Vec::new(), end: 0.0 };
+        let of_body = [body.supports.len(), body.loads.len(), body.obstacles.len()];
+        let (actuator, load_keys) = (self.actuator.as_ref(), Vec::new());
+        let mut build = Build { problem: body, actuator, errors: Vec::new(), end: 0.0, load_keys };
         let times = match (&self.load, schedule) {
             (Some(load), _) => load.times.clone(),
             (None, Some((times, _))) => times.to_vec(),
@@ -63,11 +67,6 @@ impl Model {
         for (i, equation) in self.equations.iter().enumerate() {
             build.equation(i, equation);
         }
-        // The air of an actuator's case file follows the load parameter as kPa: it is none of a model file's. A deck has cavities of its
-        // own, unless the model file names some.
-        if self.actuator.is_some() || !self.cavities.is_empty() {
-            build.problem.cavities.clear();
-        }
         for (i, cavity) in self.cavities.iter().enumerate() {
             build.cavity(i, cavity);
         }
@@ -78,30 +77,69 @@ impl Model {
         for (i, obstacle) in self.obstacles.iter().enumerate() {
             build.obstacle(i, obstacle);
         }
+        if build.errors.is_empty() {
+            self.check_symmetry(&mut build, of_body);
+        }
         let solver = self.solver.resolved(build.end, schedule.map(|(_, first)| first));
         if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
     }
 
-    fn add_loads(&self, build: &mut Build) {
+    /// Refuses what the part of a body that is cut at a plane of symmetry cannot stand for; `of_body` are the numbers of supports, loads and
+    /// obstacles that came with the body.
+    fn check_symmetry(&self, build: &mut Build<'_>, of_body: [usize; 3]) {
+        let remedy = match self.actuator {
+            Some(_) => WHOLE_ACTUATOR,
+            None => "model the whole body",
+        };
+        for asymmetry in build.problem.asymmetries().into_iter().filter(|asymmetry| !asymmetry.is_twofold) {
+            let (number, first) = match asymmetry.part {
+                ProblemPart::Support(number) => (number, of_body[0]),
+                ProblemPart::Load(number) => (number, of_body[1]),
+                ProblemPart::Obstacle(number) => (number, of_body[2]),
+            };
+            let (key, value) = match (number.checked_sub(first), asymmetry.part) {
+                (Some(i), ProblemPart::Support(_)) => {
+                    let moved = self.supports.get(i).and_then(|support| support.displacement);
+                    (format!("support[{i}].displacement"), format!("{:?}", moved.unwrap_or_default()))
+                }
+                (Some(i), ProblemPart::Load(_)) => build.load_keys.get(i).cloned().unwrap_or_default(),
+                (Some(i), ProblemPart::Obstacle(_)) => {
+                    let (name, at) = self.obstacles.get(i).map_or(("name", [0.0; 3]), ObstacleTable::position);
+                    (format!("obstacle[{i}].{name}"), format!("{at:?}"))
+                }
+                // What the deck says and the plane that the model file adds do not go together.
+                (None, part) => (
+                    format!("support[{}].symmetry", asymmetry.plane.support.saturating_sub(of_body[0])),
+                    deck_words(part),
+                ),
+            };
+            build.errors.push(asymmetry.refusal(key, value, remedy));
+        }
+    }
+
+    fn add_loads(&self, build: &mut Build<'_>) {
         for (i, force) in self.forces.iter().enumerate() {
-            let nodes = build.nodes(&format!("force[{i}].nodes"), &force.nodes);
-            let share = 1.0 / nodes.len().max(1) as f64;
+            let nodes = build.shares(&format!("force[{i}].nodes"), &force.nodes);
             let curve = build.factor(force.factor.as_ref());
-            build.problem.loads.push(Load::Force { nodes, force: force.total.map(|f| share * f), curve });
+            let load = Load::Force { nodes, force: force.total, curve };
+            build.load(load, format!("force[{i}].total"), format!("{:?}", force.total));
         }
         for (i, traction) in self.tractions.iter().enumerate() {
             let facets = build.facets(&format!("traction[{i}].faces"), &traction.faces);
             let curve = build.factor(traction.factor.as_ref());
-            build.problem.loads.push(Load::Traction { facets, traction: traction.traction_mpa, curve });
+            let load = Load::Traction { facets, traction: traction.traction_mpa, curve };
+            build.load(load, format!("traction[{i}].traction_mpa"), format!("{:?}", traction.traction_mpa));
         }
         for (i, pressure) in self.pressures.iter().enumerate() {
             let facets = build.facets(&format!("pressure[{i}].faces"), &pressure.faces);
             let curve = build.curve(&pressure.pressure_kpa, MPA_PER_KPA);
-            build.problem.loads.push(Load::Pressure { facets, curve });
+            build.load(Load::Pressure { facets, curve }, format!("pressure[{i}].faces"), pressure.faces.clone());
         }
         if let Some(gravity) = &self.gravity {
             let curve = build.factor(gravity.factor.as_ref());
-            build.problem.loads.push(Load::Gravity { elements: None, acceleration: gravity.acceleration, curve });
+            let acceleration = gravity.acceleration;
+            let load = Load::Gravity { elements: None, acceleration, curve };
+            build.load(load, "gravity.acceleration".into(), format!("{acceleration:?}"));
             let (materials, _) = build.problem.materials();
             if materials.iter().all(|material| material.density == 0.0) {
                 let allowed = "must be greater than 0 where there is gravity, g/cm3";
@@ -129,16 +167,42 @@ impl Steps {
 }
 
 /// A problem that is being put together.
-struct Build {
+struct Build<'a> {
     problem: Problem,
+    /// Lengths of the body, if it is an actuator's.
+    actuator: Option<&'a Actuator>,
     errors: Vec<CaseError>,
     /// Last time.
     end: f64,
+    /// Key and value of every load that was added.
+    load_keys: Vec<(String, String)>,
 }
 
-impl Build {
+/// A part of a deck in words.
+fn deck_words(part: ProblemPart) -> String {
+    match part {
+        ProblemPart::Support(_) => "true, with a moved boundary of the deck",
+        ProblemPart::Load(_) => "true, with a load of the deck",
+        ProblemPart::Obstacle(_) => "true, with a rigid body of the deck",
+    }
+    .to_owned()
+}
+
+impl Build<'_> {
     fn complain(&mut self, key: &str, value: String, allowed: String) {
         self.errors.push(CaseError { key: key.into(), value, allowed });
+    }
+
+    fn load(&mut self, load: Load, key: String, value: String) {
+        self.problem.loads.push(load);
+        self.load_keys.push((key, value));
+    }
+
+    /// Complains about a name that something of the body has already.
+    fn unless_new(&mut self, key: &str, name: &str, is_known: bool) {
+        if is_known {
+            self.complain(key, format!("{name:?}"), "must be another name than that of one of the deck's".into());
+        }
     }
 
     fn unknown<T>(&mut self, key: &str, name: &str, what: &str, sets: Vec<String>) -> Vec<T> {
@@ -161,6 +225,20 @@ impl Build {
         }
         let sets = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).cloned().collect();
         self.unknown(key, name, "a node set or a surface", sets)
+    }
+
+    /// The nodes of a node set, or of a surface, with their shares in what is spread evenly over it.
+    fn shares(&mut self, key: &str, name: &str) -> Vec<(u32, f64)> {
+        let mesh = &self.problem.mesh;
+        let is_node_set = named(&mesh.node_sets, name).is_some_and(|(_, nodes)| !nodes.is_empty());
+        if let Some((_, facets)) =
+            named(&mesh.facet_sets, name).filter(|(_, facets)| !is_node_set && !facets.is_empty())
+        {
+            return mesh.shares_of_faces(facets);
+        }
+        let nodes = self.nodes(key, name);
+        let shares = self.problem.mesh.shares(&nodes);
+        nodes.into_iter().zip(shares).collect()
     }
 
     fn facets(&mut self, key: &str, name: &str) -> Vec<Facet> {
@@ -195,14 +273,7 @@ impl Build {
                     self.unknown(&format!("region[{number}].elements"), name, "an element set", sets)
                 }
             },
-            (None, Some(corners)) => {
-                let elements = elements_within(mesh, corners);
-                if elements.is_empty() {
-                    let allowed = "must hold the centre of an element".into();
-                    self.complain(&format!("region[{number}].box"), format!("{corners:?}"), allowed);
-                }
-                elements
-            }
+            (None, Some(corners)) => self.elements_of_box(&format!("region[{number}].box"), corners),
             (None, None) => Vec::new(),
         };
         for earlier in &mut self.problem.regions {
@@ -211,12 +282,48 @@ impl Build {
         self.problem.regions.push(Region { name: table.name.clone(), elements, material: table.material.clone() });
     }
 
+    /// The elements that fill a box, to 5 % of the volume of the body in it.
+    fn elements_of_box(&mut self, key: &str, corners: [[f64; 3]; 2]) -> Vec<u32> {
+        for plane in self.problem.symmetry.clone() {
+            let words = plane.words();
+            let (why, remedy) = match self.problem.box_side(&plane, corners) {
+                BoxSide::Symmetric | BoxSide::Twofold => continue,
+                BoxSide::Beyond => {
+                    ("lies beyond the plane of symmetry", "its mirror image is the part of the body that is modelled")
+                }
+                BoxSide::Uneven => (
+                    "reaches over the plane of symmetry further on one side than on the other",
+                    "make it the same on both sides, or model the whole body",
+                ),
+            };
+            self.complain(key, format!("{corners:?}"), format!("it {why} {words}; {remedy}"));
+            return Vec::new();
+        }
+        let mesh = &self.problem.mesh;
+        let elements = elements_within(mesh, corners);
+        let (found, wanted) = (mesh.volume_of(elements.iter().copied()), mesh.volume_within(corners));
+        if !((found - wanted).abs() <= BOX_VOLUME * wanted && wanted > 0.0) {
+            let allowed = format!(
+                "{wanted:.6} mm3 of the body are in it, but the elements whose centre is in it have {found:.6} mm3: it must follow faces of \
+                 elements; mesh the body so that they lie at the box, or name an element set (region.elements)"
+            );
+            self.complain(key, format!("{corners:?}"), allowed);
+        }
+        elements
+    }
+
     fn support(&mut self, number: usize, table: &SupportTable) {
         let nodes = self.nodes(&format!("support[{number}].nodes"), &table.nodes);
         let axes = ['x', 'y', 'z'].map(|axis| table.axes.contains(axis));
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
         self.problem.supports.push(Support { name: table.nodes.clone(), nodes, axes, motion });
+        if table.symmetry && self.errors.is_empty() {
+            let declared = self.problem.declare_symmetry(self.problem.supports.len() - 1);
+            if let Err(why) = declared {
+                self.complain(&format!("support[{number}].symmetry"), "true".into(), why.to_string());
+            }
+        }
     }
 
     fn equation(&mut self, number: usize, table: &EquationTable) {
@@ -283,6 +390,15 @@ impl Build {
         let slave = self.facets(&format!("contact[{number}].slave"), &table.slave);
         let master = self.facets(&format!("contact[{number}].master"), &table.master);
         let stiffness = table.stiffness.unwrap_or_else(|| self.stiffness(&slave));
+        let is_known = self.problem.contact_pairs.iter().any(|pair| {
+            let both = [&pair.slave, &pair.master];
+            !slave.is_empty() && (both == [&slave, &master] || both == [&master, &slave])
+        });
+        if is_known {
+            let allowed =
+                "these surfaces are kept apart already: a second time would make their contact twice as stiff";
+            self.complain(&format!("contact[{number}].slave"), format!("{:?}", table.slave), allowed.into());
+        }
         if self.problem.contact.method == ContactMethod::None {
             self.problem.contact = Contact { stiffness, ..Contact::default() };
         }
@@ -299,25 +415,24 @@ impl Build {
         let facets = self.facets(&format!("obstacle[{number}].faces"), table.faces.as_deref().unwrap_or("outer"));
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
+        let is_known = self.problem.obstacles.iter().any(|obstacle| obstacle.name == table.name);
+        self.unless_new(&format!("obstacle[{number}].name"), &table.name, is_known);
         let stiffness = self.stiffness(&facets);
         // The ranges of the file ask for all that a shape needs.
         self.problem.obstacles.extend(table.obstacle(facets, stiffness, motion));
     }
 
-    fn stiffness(&self, slave: &[Facet]) -> f64 {
-        let mesh = &self.problem.mesh;
-        let size = |facet: &Facet| {
-            let nodes = mesh.facet_nodes(*facet);
-            let [a, b] = [nodes[0], nodes[1]].map(|node| mesh.nodes[node as usize]);
-            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-        };
-        let mean = slave.iter().map(size).sum::<f64>() / slave.len().max(1) as f64;
+    /// Penalty stiffness of faces that are given none, N/mm³.
+    fn stiffness(&self, facets: &[Facet]) -> f64 {
         let (materials, of_element) = self.problem.materials();
-        let softest = slave
+        let softest = facets
             .iter()
             .map(|facet| materials[usize::from(of_element[facet.element as usize])].shear_modulus())
             .fold(f64::INFINITY, f64::min);
-        if mean > 0.0 && softest.is_finite() { STIFFNESS * softest / mean } else { 1.0 }
+        match self.actuator {
+            Some(actuator) => contact_stiffness::of_actuator(softest, actuator),
+            None => contact_stiffness::of_faces(softest, &self.problem.mesh, facets).unwrap_or(1.0),
+        }
     }
 }
 

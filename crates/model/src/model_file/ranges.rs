@@ -2,6 +2,7 @@
 
 use super::tables::Model;
 use crate::obstacle_table;
+use crate::options::{check_names, check_probes};
 use crate::range_check::{CaseError, Problems};
 use crate::series::Series;
 
@@ -17,7 +18,12 @@ impl Model {
             found.unless_positive("model.scale", source.scale, " mm");
         }
         found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
+        match &self.model {
+            Some(_) => self.mesh.check_absent(&mut found),
+            None => self.mesh.check(&mut found),
+        }
         found.0.extend(self.material.iter().flat_map(|material| material.problems("material")));
+        check_names("region", self.regions.iter().map(|region| &region.name), &mut found);
         for (i, region) in self.regions.iter().enumerate() {
             found.0.extend(region.material.problems(&format!("region[{i}].material")));
             if region.elements.is_some() == region.within.is_some() {
@@ -55,10 +61,12 @@ impl Model {
         self.check_loads(&mut found);
         self.check_obstacles(&mut found);
         self.check_times(&mut found);
+        check_probes(&self.probes, &mut found);
         found.0
     }
 
     fn check_loads(&self, found: &mut Problems) {
+        check_names("cavity", self.cavities.iter().map(|cavity| &cavity.name), found);
         for (i, cavity) in self.cavities.iter().enumerate() {
             let key = |name: &str| format!("cavity[{i}].{name}");
             let given = [&cavity.pressure_kpa, &cavity.volume_mm3, &cavity.gas];

@@ -1,6 +1,6 @@
 //! The model file's tables.
 
-use pneuflex_mesh::Actuator;
+use pneuflex_mesh::{Actuator, Cuts};
 use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
@@ -71,6 +71,15 @@ pub struct Model {
     pub output: Output,
 }
 
+impl Model {
+    /// Planes in which the mesh of an actuator has faces of elements so that its regions are what their boxes say.
+    pub fn cuts(&self) -> Cuts {
+        let mut cuts = Cuts::default();
+        self.regions.iter().filter_map(|region| region.within).for_each(|corners| cuts.add_box(corners));
+        cuts
+    }
+}
+
 /// The file that holds the body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -112,6 +121,9 @@ pub struct SupportTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
+    /// Whether it is the plane of symmetry of a body of which one side is modelled.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub symmetry: bool,
 }
 
 /// Σ cᵢ uᵢ = value.
@@ -154,9 +166,9 @@ pub struct CavityTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceTable {
-    /// A node set.
+    /// A node set, or a surface.
     pub nodes: String,
-    /// Force in all, N; every node gets the same share.
+    /// Force in all, N, spread evenly over the faces or edges that the nodes make up; single nodes get equal shares.
     pub total: [f64; 3],
     /// Factor by time.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -187,6 +187,11 @@ impl Path {
         &self.equilibrium
     }
 
+    /// The present equilibrium as data, also one on the way to a requested position; iterations and load steps are those of the whole path.
+    pub fn present(&self) -> ConvergedState {
+        self.describe(self.iterations, self.step)
+    }
+
     /// The system, e.g. for its energies.
     pub fn system(&mut self) -> &mut System {
         &mut self.system

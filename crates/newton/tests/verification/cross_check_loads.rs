@@ -70,7 +70,7 @@ fn forces_tractions_and_weights() {
         let table = Curve::Table(vec![[0.0, 0.0], [0.5, 1.0], [1.0, 0.4]]);
         let (side, end) = (facets_at(&problem, 1), facets_at(&problem, 0));
         problem.loads = vec![
-            Load::Force { nodes: vec![node, node], force: [0.01, 0.0, 0.005], curve: ramp() },
+            Load::Force { nodes: vec![(node, 1.5), (node, 0.5)], force: [0.01, 0.0, 0.005], curve: ramp() },
             Load::Traction { facets: end, traction: [0.1, 0.0, -0.01], curve: table.clone() },
             Load::Traction { facets: side, traction: [0.0, 0.0, 0.004], curve: ramp() },
             Load::Gravity { elements: None, acceleration: [0.0, 1e6, 0.0], curve: table },
@@ -122,7 +122,7 @@ fn linear_equations() {
             let terms = vec![(node, 0, 2.0), (end[0], 0, -2.0)];
             problem.equations.push(LinearEquation { terms, value: Curve::ZERO });
         }
-        problem.loads = vec![Load::Force { nodes: vec![end[0]], force: [0.2, 0.0, 0.0], curve: ramp() }];
+        problem.loads = vec![Load::Force { nodes: vec![(end[0], 1.0)], force: [0.2, 0.0, 0.0], curve: ramp() }];
         check(&format!("equations, {formulation}"), &problem, &[0.5, 1.0], 0.25);
     }
 }

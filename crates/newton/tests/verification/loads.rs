@@ -179,7 +179,7 @@ fn equations_tie_a_face_to_one_of_its_nodes() {
         }
         let force = nominal(&problem.material, 1.5) * SIDES[1] * SIDES[2];
         let curve = Curve::Proportional(1.0);
-        problem.loads.push(Load::Force { nodes: vec![*leader], force: [force, 0.0, 0.0], curve });
+        problem.loads.push(Load::Force { nodes: vec![(*leader, 1.0)], force: [force, 0.0, 0.0], curve });
         let state = follow(&problem, &[1.0], &settings()).remove(0);
         for &node in &face {
             let strain = state.displacement[node as usize][0] / SIDES[0];

@@ -128,9 +128,12 @@ impl<T: Document> Written<T> {
             InputError::new(format!("not valid TOML: {}", plain_types(&one_line(error.message())))).at(place)
         };
         let mut document = DeTable::parse(&sources.texts[0].text).map_err(|e| syntax(&e))?;
-        for text in &padded {
-            let change = DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner();
-            make_way_for_resolution(document.get_mut(), &change);
+        let changes = padded.iter().map(|text| Ok(DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner()));
+        let changes: Vec<DeTable<'_>> = changes.collect::<Result<_, InputError>>()?;
+        if changes.iter().any(|change| of_mesh(change).is_some_and(|mesh| mesh.contains_key("resolution"))) {
+            make_way_for_resolution(document.get_mut());
+        }
+        for change in changes {
             merge(document.get_mut(), change);
         }
         let mut keys = Vec::new();
@@ -241,13 +244,20 @@ pub fn is_model(text: &str) -> bool {
     document.get_ref().contains_key("model") || load.is_some_and(|load| load.contains_key("times"))
 }
 
-/// A resolution that is set replaces what the file says of the mesh: beside it, those keys would win.
-fn make_way_for_resolution(document: &mut DeTable<'_>, change: &DeTable<'_>) {
-    let mesh = change.get("mesh").and_then(|mesh| mesh.get_ref().as_table());
-    let old = document.get_mut("mesh").map(Spanned::get_mut);
-    if let (Some(_), Some(DeValue::Table(old))) = (mesh.and_then(|mesh| mesh.get("resolution")), old) {
-        for key in ["size", "edge_size", "wall_elements", "element"] {
-            old.remove(key);
+fn of_mesh<'a, 'b>(document: &'b DeTable<'a>) -> Option<&'b DeTable<'a>> {
+    document.get("mesh").and_then(|mesh| mesh.get_ref().as_table())
+}
+
+/// A resolution that is set replaces the sizes of the file: beside it, those keys would win. The element stays if the file has chosen it for
+/// a resolution of its own; else it is part of the mesh that is replaced. What other changes set stays, whatever their order.
+fn make_way_for_resolution(document: &mut DeTable<'_>) {
+    let has_resolution = of_mesh(document).is_some_and(|mesh| mesh.contains_key("resolution"));
+    if let Some(DeValue::Table(mesh)) = document.get_mut("mesh").map(Spanned::get_mut) {
+        for key in ["size", "edge_size", "wall_elements"] {
+            mesh.remove(key);
+        }
+        if !has_resolution {
+            mesh.remove("element");
         }
     }
 }

@@ -12,7 +12,7 @@ import { Clock, Transport } from "pneuflex/transport";
 import { Viewer } from "pneuflex/viewer";
 
 const data = readData();
-const clock = new Clock(data.clock, data.series.times);
+const clock = new Clock(data.clock, data.series.times, data.series.on_the_way);
 const transport = new Transport(clock, data.series);
 drawPlots(document.getElementById("plots"), data.series, clock);
 

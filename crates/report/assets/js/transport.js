@@ -11,10 +11,13 @@ export class Clock {
   /**
    * @param {{name: string, unit: string}} what what it stands for
    * @param {number[]} computed rest and the computed times
+   * @param {number} onTheWay how many of them, at the end, were not asked for
    */
-  constructor(what, computed) {
+  constructor(what, computed, onTheWay = 0) {
     Object.assign(this, what);
     this.computed = computed;
+    /** Where those begin that were not asked for. */
+    this.requested = computed.length - onTheWay;
     this.highest = computed[computed.length - 1];
     this.value = this.highest;
     this.listeners = [];
@@ -60,6 +63,11 @@ export class Clock {
   isComputed() {
     return this.computed.includes(this.value);
   }
+
+  /** Whether a computed time is one that was not asked for, on the way of a run that ended early. */
+  isOnTheWay(value) {
+    return this.computed.indexOf(value) >= this.requested;
+  }
 }
 
 export class Transport {
@@ -102,7 +110,9 @@ export class Transport {
     const { clock } = this;
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: clock.written(value) });
     button.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
-    button.setAttribute("aria-label", value ? clock.writtenWords(value) : "At rest");
+    const onTheWay = clock.isOnTheWay(value);
+    button.classList.toggle("on-the-way", onTheWay);
+    button.setAttribute("aria-label", value ? clock.writtenWords(value) + (onTheWay ? ", on the way" : "") : "At rest");
     button.addEventListener("click", () => this.choose(value));
     return button;
   }
@@ -138,7 +148,7 @@ export class Transport {
     const k = interval(computed, value);
     const isComputed = this.clock.isComputed();
     this.origin.textContent = isComputed
-      ? value === 0 ? "at rest" : "computed"
+      ? value === 0 ? "at rest" : clock.isOnTheWay(value) ? "computed, on the way" : "computed"
       : `interpolated between ${clock.written(computed[k])} and ${clock.written(computed[k + 1])}`;
     this.origin.classList.toggle("interpolated", !isComputed);
     this.slider.setAttribute("aria-valuetext", `${clock.words(value)}, ${this.origin.textContent}`);

@@ -6,8 +6,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use pneuflex_assembly::{Assembler, Contribution, Couplings, LocalContribution, LocalError, Position, Request, Totals};
-use pneuflex_assembly::{BorderedEquation, Unilateral};
+use pneuflex_assembly::{Assembler, CondensedBlocks, Contribution, Elimination, LocalError, Position, Request, Totals};
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::Problem;
@@ -19,6 +18,12 @@ use crate::rotation_update::{Extent, RotationUpdate};
 use crate::state::{Correction, State};
 use crate::tangent_solver::{Assembled, Buffers, Tangent};
 use crate::timing::Timing;
+
+mod assembling;
+
+use assembling::{assembler_of, has_fixed_blocks, split};
+
+pub(crate) use assembling::unilateral;
 
 /// Corrections that move no node further than this are applied straight: the next one makes up for their second-order part, mm.
 const STRAIGHT_BELOW: f64 = 1e-3;
@@ -32,6 +37,9 @@ pub struct System {
     rotation_update: RotationUpdate,
     totals: Totals,
     held: Arc<[bool]>,
+    elimination: Arc<Elimination>,
+    /// For every degree of freedom whether the tangent has no equation for it: it is held, or follows others.
+    fixed: Arc<[bool]>,
     num_bordered: usize,
     parallelism: Parallelism,
     /// Memory of the last tangent.
@@ -48,22 +56,27 @@ impl System {
     /// # Errors
     /// [`SetupError`] if an element is degenerate, a cavity open or the body is not held.
     pub fn new(problem: &Problem, parallelism: Parallelism) -> Result<Self, SetupError> {
-        Self::with_contributions(&problem.mesh, problem.held_dofs(), contributions_of(problem)?, parallelism)
+        let held = problem.held_dofs();
+        let (elimination, left) = Elimination::of(&problem.equations, problem.mesh.num_nodes(), &held);
+        let contributions = contributions_of(problem, &left)?;
+        Self::with_contributions(&problem.mesh, (held, elimination), contributions, parallelism)
     }
 
     /// Sets up the equations of a list of contributions on a mesh; `held` says for every degree of freedom (3 · node + axis) whether its
-    /// displacement is prescribed.
+    /// displacement is prescribed, the elimination which follows others.
     ///
     /// # Errors
     /// [`SetupError::Factor`] if the body is not held, or the structure of the equations cannot be analysed.
     pub fn with_contributions(
         mesh: &Arc<Mesh>,
-        held: Vec<bool>,
+        (held, elimination): (Vec<bool>, Elimination),
         contributions: Vec<Box<dyn Contribution>>,
         parallelism: Parallelism,
     ) -> Result<Self, SetupError> {
         let start = Instant::now();
-        let assembler = Assembler::new(mesh.num_nodes(), &fixed_blocks(&contributions), &[]);
+        let assembler = assembler_of(mesh.num_nodes(), &contributions, &elimination, &[]);
+        let mut fixed = held.clone();
+        elimination.slaves().for_each(|slave| fixed[slave] = true);
         let symbolic = Arc::new(Symbolic::analyze(assembler.pattern(), Ordering::default())?);
         let rotation_update = RotationUpdate::new(mesh, &held, parallelism)?;
         let timing = Timing { factor_s: start.elapsed().as_secs_f64(), ..Timing::default() };
@@ -76,6 +89,8 @@ impl System {
             rotation_update,
             totals: Totals::default(),
             held: held.into(),
+            elimination: Arc::new(elimination),
+            fixed: fixed.into(),
             parallelism,
             buffers: None,
             responses: None,
@@ -129,7 +144,8 @@ impl System {
             }
         };
         let start = Instant::now();
-        let unsymmetric = (self.couplings(&state.displacement), Arc::clone(&self.held));
+        let constraints = (Arc::clone(&self.fixed), Arc::clone(&self.elimination));
+        let unsymmetric = (self.couplings(&state.displacement), constraints);
         self.timing.assembly_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let pattern = Arc::clone(self.assembler.pattern());
@@ -177,7 +193,10 @@ impl System {
         prescribed: Option<&[[f64; 3]]>,
     ) -> Result<Correction, AssembleError> {
         let start = Instant::now();
-        let correction = tangent.solve(assembled, prescribed, self.responses.as_deref());
+        let mut correction = tangent.solve(assembled, prescribed, self.responses.as_deref());
+        if let Ok(correction) = &mut correction {
+            self.elimination.expand(&mut correction.displacement);
+        }
         self.timing.solve_s += start.elapsed().as_secs_f64();
         correction
     }
@@ -220,6 +239,7 @@ impl System {
         } else {
             self.rotation_update.apply(&mut state.displacement, &correction.displacement)
         };
+        self.elimination.expand(&mut state.displacement);
         for (value, delta) in state.bordered.iter_mut().zip(&correction.bordered) {
             *value += delta;
         }
@@ -257,12 +277,14 @@ impl System {
             if contribution.is_load() {
                 contribution.set_position(Position { bordered: own, ..state.position() });
                 if let Some(blocks) = contribution.blocks() {
-                    self.assembler.add(index, blocks, &state.displacement, Request::Residual, &mut totals)?;
+                    let blocks = CondensedBlocks::new(blocks, &self.elimination);
+                    self.assembler.add(index, &blocks, &state.displacement, Request::Residual, &mut totals)?;
                 }
                 contribution.add_forces(&mut totals.residual);
             }
             index += usize::from(has_fixed_blocks(contribution.as_ref()));
         }
+        self.elimination.condense(totals.residual.as_flattened_mut());
         Ok(self.free_norm(&totals.residual))
     }
 
@@ -303,94 +325,6 @@ impl System {
     pub fn revert(&mut self) {
         self.contributions.iter_mut().for_each(|contribution| contribution.revert());
     }
-
-    fn take_position(&mut self, state: &State) {
-        let mut bordered = &state.bordered[..];
-        for contribution in &mut self.contributions {
-            let start = Instant::now();
-            let own = split(&mut bordered, contribution.as_ref());
-            contribution.set_position(Position { bordered: own, ..state.position() });
-            *clock_of(&mut self.timing, contribution.as_ref()) += start.elapsed().as_secs_f64();
-        }
-    }
-
-    /// Extends the tangent's pattern where contact has come to pairs of faces that it has no room for.
-    fn make_room_for_contact(&mut self) -> Result<(), FactorError> {
-        let start = Instant::now();
-        let changing = || self.contributions.iter().filter(|c| c.unilateral().is_some()).filter_map(|c| c.blocks());
-        let is_covered = changing().all(|blocks| self.assembler.covers(blocks));
-        if is_covered {
-            self.timing.contact_s += start.elapsed().as_secs_f64();
-            return Ok(());
-        }
-        let near: Vec<Vec<u32>> = unilateral(&self.contributions).flat_map(Unilateral::near_nodes).collect();
-        let nodes = self.assembler.pattern().num_nodes();
-        self.assembler = Assembler::new(nodes, &fixed_blocks(&self.contributions), &near);
-        self.timing.contact_s += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        self.symbolic = Arc::new(Symbolic::analyze(self.assembler.pattern(), Ordering::default())?);
-        self.timing.factor_s += start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    fn assemble(&mut self, state: &State, request: Request) -> Result<Assembled, LocalError> {
-        let Self { contributions, assembler, totals, timing, .. } = self;
-        let u = &state.displacement;
-        assembler.reset(totals, request);
-        let mut equations: Vec<BorderedEquation> = Vec::new();
-        let (mut index, mut contact_points) = (0, 0);
-        for contribution in contributions.iter() {
-            let start = Instant::now();
-            if let Some(blocks) = contribution.blocks() {
-                if has_fixed_blocks(contribution.as_ref()) {
-                    assembler.add(index, blocks, u, request, totals)?;
-                    index += 1;
-                } else {
-                    assembler.add_changing(blocks, u, request, totals)?;
-                }
-            }
-            contribution.add_forces(&mut totals.residual);
-            equations.extend(contribution.bordered_equations(u));
-            contact_points += contribution.unilateral().map_or(0, Unilateral::num_active);
-            *clock_of(timing, contribution.as_ref()) += start.elapsed().as_secs_f64();
-        }
-        Ok(Assembled { energy: totals.energy, residual: totals.residual.clone(), equations, contact_points })
-    }
-
-    /// The tangent's unsymmetric part between free degrees of freedom.
-    fn couplings(&self, displacement: &[[f64; 3]]) -> Couplings {
-        let mut couplings = Couplings::default();
-        for contribution in &self.contributions {
-            contribution.add_couplings(displacement, &mut couplings);
-        }
-        couplings.condensed(&self.held)
-    }
-}
-
-/// This contribution's own of the unknowns beside the displacements.
-fn split<'a>(bordered: &mut &'a [f64], contribution: &dyn Contribution) -> &'a [f64] {
-    let (own, rest) = bordered.split_at(contribution.num_bordered().min(bordered.len()));
-    *bordered = rest;
-    own
-}
-
-pub(crate) fn unilateral(contributions: &[Box<dyn Contribution>]) -> impl Iterator<Item = &dyn Unilateral> {
-    contributions.iter().filter_map(|contribution| contribution.unilateral())
-}
-
-/// Whether its blocks have the same nodes at every position.
-fn has_fixed_blocks(contribution: &dyn Contribution) -> bool {
-    contribution.unilateral().is_none() && contribution.blocks().is_some()
-}
-
-/// What does not change its nodes from assembly to assembly.
-fn fixed_blocks(contributions: &[Box<dyn Contribution>]) -> Vec<&dyn LocalContribution> {
-    let fixed = contributions.iter().filter(|contribution| has_fixed_blocks(contribution.as_ref()));
-    fixed.filter_map(|contribution| contribution.blocks()).collect()
-}
-
-fn clock_of<'a>(timing: &'a mut Timing, contribution: &dyn Contribution) -> &'a mut f64 {
-    if contribution.unilateral().is_some() { &mut timing.contact_s } else { &mut timing.assembly_s }
 }
 
 fn norm_where(field: &[[f64; 3]], held: &[bool], is_held: bool) -> f64 {

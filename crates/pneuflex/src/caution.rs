@@ -1,0 +1,277 @@
+//! What to be careful about that is known before anything is solved: units, shapes of elements, what stands for two. All of it is found in
+//! the problem's data, whatever kind of file it came from.
+
+use pneuflex_model::load::Load;
+use pneuflex_model::model_file::Model;
+use pneuflex_model::{Asymmetry, BoxSide, Control, Curve, LoadParameter, Material, Probe, Problem, ProblemPart};
+
+use crate::diagnosis::{Warning, WarningKind};
+use crate::words::thousands;
+
+/// Elements of a smaller scaled Jacobian are poor: slivers.
+pub const POOR_SHAPE: f64 = 0.05;
+
+/// A probe whose nearest node is further away than this share of the body's extent is hardly on it.
+const FAR_PROBE: f64 = 0.05;
+
+/// Extents of bodies, mm, that are usual.
+const EXTENT: [f64; 2] = [0.5, 5000.0];
+
+/// Densities of solids, g/cm³.
+const DENSITY: [f64; 2] = [0.01, 25.0];
+
+/// Shear moduli of the softest material of a soft body, MPa: from hydrogels to hard rubber and beyond.
+const SHEAR_MODULUS: [f64; 2] = [1e-4, 300.0];
+
+/// Largest pressure over the shear modulus of the softest material.
+const PRESSURE: [f64; 2] = [5e-4, 50.0];
+
+/// Accelerations in mm/s² that may be a weight.
+const ACCELERATION: [f64; 2] = [100.0, 1e6];
+
+/// Bulk modulus, MPa, that no material reaches which is this many times as stiff against a change of volume as against one of shape:
+/// polymers have 1000 to 8000.
+const BULK_MODULUS: f64 = 2e4;
+const BULK_RATIO: f64 = 500.0;
+
+/// What is worth a word about a problem that is followed to `end`; `model` has the tables that it was built from, `is_actuator` says whether
+/// it was meshed here.
+pub fn cautions(
+    problem: &Problem,
+    end: LoadParameter,
+    model: Option<&Model>,
+    is_actuator: bool,
+    probes: &[Probe],
+) -> Vec<Warning> {
+    let mut found = Vec::new();
+    found.extend(poor_elements(problem, is_actuator));
+    found.extend(problem.asymmetries().iter().map(|twofold| two_of(problem, twofold)));
+    found.extend(model.into_iter().flat_map(|model| regions(problem, model)));
+    found.extend(probes.iter().filter_map(|probe| far_probe(problem, probe)));
+    found.extend(unusual_size(problem));
+    found.extend(unusual_materials(problem, end));
+    found.extend(unusual_loads(problem, end));
+    found
+}
+
+fn warning(kind: WarningKind, message: String, advice: impl Into<String>) -> Warning {
+    Warning { kind, pressure_kpa: None, time: None, message, advice: advice.into() }
+}
+
+/// The element of the worst shape, its scaled Jacobian, and the number of poor ones.
+pub fn worst_element(problem: &Problem) -> Option<(usize, f64, usize)> {
+    let mut poor = 0;
+    let qualities = problem.mesh.scaled_jacobians().enumerate().inspect(|(_, q)| poor += usize::from(*q < POOR_SHAPE));
+    let (element, quality) = qualities.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    Some((element, quality, poor))
+}
+
+/// Where an element is: the mean of its corners, mm.
+pub fn centre(problem: &Problem, element: usize) -> [f64; 3] {
+    let mesh = &problem.mesh;
+    let corners = &mesh.element(element)[..mesh.kind.num_corners()];
+    std::array::from_fn(|k| corners.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners.len() as f64)
+}
+
+fn poor_elements(problem: &Problem, is_actuator: bool) -> Option<Warning> {
+    let (element, quality, poor) = worst_element(problem)?;
+    let [x, y, z] = centre(problem, element);
+    let count = |n: usize| thousands(n as u64);
+    let message = format!(
+        "badly shaped elements: {} of {}; the worst, {}, near ({x:.2}, {y:.2}, {z:.2}) mm, has the scaled Jacobian {quality:.3} (good ones have 1, \
+         flat ones 0)",
+        count(poor),
+        count(problem.mesh.num_elements()),
+        element + 1
+    );
+    let advice = if is_actuator {
+        "results near them are unreliable, and a run may stop there: take hexahedra (mesh.element = \"hex27\"), or a smaller mesh.edge_size"
+    } else {
+        "results near them are unreliable, and a run may stop there: improve the mesh (Gmsh: Mesh.Optimize, or another size)"
+    };
+    (poor > 0).then(|| warning(WarningKind::ElementShape, message, advice))
+}
+
+fn two_of(problem: &Problem, twofold: &Asymmetry) -> Warning {
+    let what = match twofold.part {
+        ProblemPart::Support(number) => format!("support {}", problem.supports[number].name),
+        ProblemPart::Obstacle(number) => format!("obstacle {}", problem.obstacles[number].name),
+        ProblemPart::Load(number) => match &problem.loads[number] {
+            Load::Force { force, .. } => format!("a force of {force:?} N"),
+            Load::Traction { traction, .. } => format!("a traction of {traction:?} MPa"),
+            Load::Pressure { .. } | Load::Gravity { .. } => "a load".to_owned(),
+        },
+    };
+    let advice = "if there is only one, model the whole body (part = \"whole\" of an actuator)";
+    warning(WarningKind::Symmetry, format!("{what}: {}", twofold.why), advice)
+}
+
+fn regions(problem: &Problem, model: &Model) -> Vec<Warning> {
+    let mut found = Vec::new();
+    for region in &model.regions {
+        let Some(corners) = region.within else { continue };
+        for plane in problem.symmetry.iter().filter(|plane| problem.box_side(plane, corners) == BoxSide::Twofold) {
+            let message = format!(
+                "region {}: there are two of it, one on either side of the plane of symmetry {}",
+                region.name,
+                plane.words()
+            );
+            let advice = "if there is only one, model the whole body (part = \"whole\" of an actuator)";
+            found.push(warning(WarningKind::Symmetry, message, advice));
+        }
+    }
+    found
+}
+
+fn far_probe(problem: &Problem, probe: &Probe) -> Option<Warning> {
+    let (node, distance) = problem.mesh.nearest_node(probe.at)?;
+    let [x, y, z] = problem.mesh.nodes[node];
+    let message = format!(
+        "probe {} is {distance:.3} mm away from its nearest node, whose displacement it shows: ({x:.3}, {y:.3}, {z:.3}) mm",
+        probe.name
+    );
+    let is_far = distance > FAR_PROBE * problem.mesh.extent();
+    is_far.then(|| warning(WarningKind::Probe, message, "put it on the body at rest"))
+}
+
+fn is_unusual(value: f64, [low, high]: [f64; 2]) -> bool {
+    !(low..=high).contains(&value)
+}
+
+fn unusual_size(problem: &Problem) -> Option<Warning> {
+    let (extent, volume) = (problem.mesh.extent(), problem.mesh.volume());
+    let message = format!("the body is {extent:.3e} mm long and has {volume:.3e} mm3");
+    let advice = "lengths are in mm: a mesh in metres needs model.scale = 1000, a deck in metres must be converted, its moduli and loads too";
+    is_unusual(extent, EXTENT).then(|| warning(WarningKind::Units, message, advice))
+}
+
+fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let (materials, of_element) = problem.materials();
+    let mut is_used = vec![false; materials.len()];
+    of_element.iter().for_each(|&number| is_used[usize::from(number)] = true);
+    let used: Vec<&Material> = materials.into_iter().zip(&is_used).filter(|(_, used)| **used).map(|(m, _)| m).collect();
+    let softest = used.iter().map(|material| material.shear_modulus()).fold(f64::INFINITY, f64::min);
+    if softest.is_finite() && is_unusual(softest, SHEAR_MODULUS) {
+        let message =
+            format!("the softest material has a shear modulus of {softest:.3e} MPa; silicones have 0.01 to 2");
+        found.push(warning(WarningKind::Units, message, "moduli are in MPa: 1 kPa is 0.001, 1 Pa is 0.000001"));
+    }
+    for material in used {
+        let (density, bulk) = (material.density, material.bulk_modulus);
+        if density > 0.0 && is_unusual(density, DENSITY) {
+            let message = format!("a material has a density of {density:.3e} g/cm3; silicones have about 1.1");
+            let advice = "material.density is in g/cm3; *DENSITY of a deck is in t/mm3, 1.1e-9 for silicone";
+            found.push(warning(WarningKind::Units, message, advice));
+        }
+        if bulk > BULK_MODULUS && bulk > BULK_RATIO * material.shear_modulus() {
+            let message = format!(
+                "a material with a shear modulus of {:.4} MPa has a bulk modulus of {bulk:.3e} MPa; polymers have 1000 to 8000",
+                material.shear_modulus()
+            );
+            let advice = "set bulk_modulus: the default keeps rubber's ratio to the shear modulus; stiff layers of paper, fabric or plastic \
+                          have one to five times their shear modulus";
+            found.push(warning(WarningKind::Units, message, advice));
+        }
+    }
+    let largest = largest_pressure(problem, end);
+    if softest.is_finite() && softest > 0.0 && largest > 0.0 && is_unusual(largest / softest, PRESSURE) {
+        let message = format!(
+            "the largest pressure, {:.4} kPa, is {:.1e} times the shear modulus of the softest material, {softest:.4} MPa",
+            1000.0 * largest,
+            largest / softest
+        );
+        let advice = "pressures are in kPa in case and model files and in MPa in decks; moduli are in MPa";
+        found.push(warning(WarningKind::Units, message, advice));
+    }
+    found
+}
+
+/// Largest pressure that is prescribed, MPa.
+fn largest_pressure(problem: &Problem, end: LoadParameter) -> f64 {
+    let of_cavities = problem.cavities.iter().filter_map(|cavity| match &cavity.control {
+        Control::Pressure(curve) => Some(curve),
+        Control::Volume(_) | Control::Gas(_) => None,
+    });
+    let of_faces = problem.loads.iter().filter(|load| matches!(load, Load::Pressure { .. })).map(Load::curve);
+    of_cavities.chain(of_faces).map(|curve| peak(curve, end)).fold(0.0, f64::max)
+}
+
+/// Largest absolute value of a curve along the load path.
+fn peak(curve: &Curve, end: LoadParameter) -> f64 {
+    match curve {
+        Curve::Proportional(_) => curve.at(end).abs(),
+        Curve::Table(points) => points.iter().map(|point| point[1].abs()).fold(0.0, f64::max),
+    }
+}
+
+fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
+    let of_load = |load: &Load| {
+        let Load::Gravity { acceleration, curve, .. } = load else { return None };
+        let largest = acceleration.iter().map(|a| a * a).sum::<f64>().sqrt() * peak(curve, end);
+        let message = format!("the acceleration is {largest:.4} mm/s2; on earth it is 9810");
+        let advice = "gravity.acceleration is in mm/s2: [0, 0, -9810] with z upwards";
+        (largest > 0.0 && is_unusual(largest, ACCELERATION)).then(|| warning(WarningKind::Units, message, advice))
+    };
+    problem.loads.iter().filter_map(of_load).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneuflex_mesh::ElementKind;
+    use pneuflex_mesh::lattice::Lattice;
+    use pneuflex_model::{Cavity, Formulation, Law};
+
+    fn block(scale: f64) -> Problem {
+        let mesh = Lattice::uniform([0.0; 3], [scale; 3], [1, 1, 1]).mesh_all(ElementKind::Tet10);
+        Problem::body(mesh, Formulation::Tet10, Law::NeoHooke { c10: 0.1 }.into())
+    }
+
+    fn said(problem: &Problem) -> Vec<WarningKind> {
+        cautions(problem, LoadParameter(1.0), None, false, &[]).into_iter().map(|warning| warning.kind).collect()
+    }
+
+    #[test]
+    fn what_looks_like_another_unit_gets_a_hint() {
+        use WarningKind::Units;
+        let right = block(10.0);
+        assert_eq!(said(&right), []);
+        assert_eq!(said(&block(0.01)), [Units]);
+        let of = |change: &dyn Fn(&mut Material)| {
+            let mut problem = right.clone();
+            change(&mut problem.material);
+            said(&problem)
+        };
+        assert_eq!(of(&|m| m.density = 1.1), []);
+        assert_eq!(of(&|m| m.density = 7.8e12), [Units]);
+        assert_eq!(of(&|m| m.density = 1.1e-9), [Units]);
+        // c10 in Pa with the default's bulk modulus: both are said.
+        assert_eq!(of(&|m| *m = Law::NeoHooke { c10: 1e5 }.into()), [Units, Units]);
+        assert_eq!(of(&|m| *m = Law::NeoHooke { c10: 160.0 }.into()), [Units, Units]);
+        assert_eq!(of(&|m| m.bulk_modulus = 6e5), [Units]);
+        let gravity = |g: f64| {
+            let curve = Curve::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+            let load = Load::Gravity { elements: None, acceleration: [0.0, 0.0, -g], curve };
+            said(&Problem { loads: vec![load], ..right.clone() })
+        };
+        assert_eq!((gravity(9810.0), gravity(9.81)), (vec![], vec![Units]));
+        let pressure = |mpa: f64| {
+            let control = Control::Pressure(Curve::Table(vec![[0.0, 0.0], [1.0, mpa]]));
+            let cavity = Cavity { name: "air".into(), facets: Vec::new(), control };
+            said(&Problem { cavities: vec![cavity], ..right.clone() })
+        };
+        assert_eq!((pressure(0.03), pressure(30.0), pressure(3e-5)), (vec![], vec![Units], vec![Units]));
+    }
+
+    #[test]
+    fn slivers_and_probes_beside_the_body_are_named() {
+        let right = block(10.0);
+        let mesh = (*right.mesh).clone().map_nodes(|[x, y, z]| [x + 40.0 * z, y, z]);
+        let found = cautions(&Problem { mesh: mesh.into(), ..right.clone() }, LoadParameter(1.0), None, false, &[]);
+        assert_eq!(found[0].kind, WarningKind::ElementShape);
+        assert!(found[0].message.contains("of 6;"), "{}", found[0].message);
+        let probe = |x: f64| far_probe(&right, &Probe { name: "p".into(), at: [x, 0.0, 0.0] });
+        assert!(probe(10.4).is_none() && probe(11.0).unwrap().message.contains("1.000 mm away"));
+    }
+}

@@ -1,0 +1,87 @@
+//! What can be refused only when the body is there, whatever kind of file it came from, and before anything is solved or written.
+
+use pneuflex_model::{CaseError, Probe, Problem};
+use pneuflex_post::contact;
+
+/// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
+const MOST_OVERLAP: f64 = 1e-9;
+
+/// What is this close to a plane, relative to the body's extent, lies in it.
+const CLOSE: f64 = 1e-6;
+
+/// Obstacles that overlap the body at rest, and probes that are not on it.
+pub fn refusals(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
+    let mut found = far_probes(problem, probes);
+    if found.is_empty() {
+        found = mirrored_probes(problem, probes);
+    }
+    overlap(problem).into_iter().chain(found).collect()
+}
+
+/// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
+fn overlap(problem: &Problem) -> Option<CaseError> {
+    if problem.obstacles.is_empty() {
+        return None;
+    }
+    let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
+    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
+    let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
+    let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
+    Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
+}
+
+/// Probes beyond a plane of symmetry would read the nearest node in it.
+fn mirrored_probes(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
+    let mut found = Vec::new();
+    for (number, probe) in probes.iter().enumerate() {
+        for plane in &problem.symmetry {
+            let beyond = problem.modelled_side(plane) * (plane.at - probe.at[plane.axis]);
+            if beyond > CLOSE * problem.mesh.extent() {
+                let [x, y, z] = plane.mirror_point(probe.at);
+                let allowed = format!(
+                    "it lies beyond the plane of symmetry {}: its mirror image ({x}, {y}, {z}) moves in the same way, with the other sign \
+                     along {}; put the probe there, or model the whole body",
+                    plane.words(),
+                    plane.axis_name()
+                );
+                found.push(CaseError { key: format!("probe[{number}].at"), value: format!("{:?}", probe.at), allowed });
+            }
+        }
+    }
+    found
+}
+
+/// A probe reads the nearest node. One that is further away than the body is long was meant for another body, or is in another unit.
+fn far_probes(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
+    let mesh = &problem.mesh;
+    let extent = mesh.extent();
+    let far = |(number, probe): (usize, &Probe)| {
+        let (node, distance) = mesh.nearest_node(probe.at)?;
+        let is_far = distance > extent || distance.is_nan();
+        let [x, y, z] = mesh.nodes[node];
+        is_far.then(|| CaseError {
+            key: format!("probe[{number}].at"),
+            value: format!("{:?}", probe.at),
+            allowed: format!(
+                "must be a point of the body, mm: the nearest node is at ({x:.4}, {y:.4}, {z:.4}), {distance:.3e} mm away, and the body \
+                 is {extent:.4} mm long"
+            ),
+        })
+    };
+    probes.iter().enumerate().filter_map(far).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_probe_beyond_the_body_is_refused_wherever_it_is() {
+        let case = toml::from_str(&crate::template::two_chambers()).unwrap();
+        let problem = Problem::from_case(&case).unwrap();
+        let refused = |at| refusals(&problem, &[Probe { name: "p".into(), at }]).len();
+        assert_eq!([[18.0, 0.0, 0.0], [18.0, 0.0, -9.0], [30.0, 0.0, 0.0]].map(refused), [0, 0, 0]);
+        assert_eq!([[1e300, 0.0, 0.0], [18.0, 1e9, 0.0], [0.0, 0.0, -50.0], [f64::NAN; 3]].map(refused), [1; 4]);
+        assert_eq!([[18.0, -1.0, 0.0], [18.0, -1e-7, 0.0], [18.0, 10.0, 0.0]].map(refused), [1, 0, 0]);
+    }
+}

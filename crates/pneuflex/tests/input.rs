@@ -1,0 +1,263 @@
+//! Input that would give a number which is not the one that was asked for: refused, or honoured and said, in every kind of file.
+
+#![allow(clippy::unwrap_used)]
+
+use pneuflex::diagnosis::WarningKind;
+use pneuflex::model::{Formulation, Law, Material};
+use pneuflex::{Analysis, Body, Error, Study, template};
+
+/// Four chambers and what else a file says.
+fn file(rest: &str) -> String {
+    format!(
+        "[actuator]\nchambers = 4\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 2.0\nwidth = 20.0\nheight = 13.0\n\
+         base = 4.0\nside_wall = 1.0\ntop_wall = 1.0\nchannel = {{ half_width = 1.0, bottom = 2.0, top = 3.0 }}\n\
+         [mesh]\nresolution = \"draft\"\n{rest}"
+    )
+}
+
+const TIMES: &str = "[load]\ntimes = [1.0]\n";
+
+/// A model file of four chambers with weight.
+fn model(rest: &str) -> String {
+    file(&format!("[material]\nlaw = \"neo-hooke\"\nc10 = 0.03\ndensity = 1.1\n{TIMES}{rest}"))
+}
+
+fn build(text: &str) -> Result<Analysis, Error> {
+    Study::from_text("finger.toml", text)?.build()
+}
+
+/// Keys and messages of what is refused.
+#[track_caller]
+fn refused(text: &str) -> Vec<(String, String)> {
+    let Err(Error::Input(errors)) = build(text) else { panic!("it was built: {text}") };
+    errors.iter().map(|error| (error.key().unwrap_or_default().to_owned(), error.to_string())).collect()
+}
+
+#[track_caller]
+fn assert_refused(text: &str, key: &str, words: &str) {
+    let found = refused(text);
+    let is_said = found.iter().any(|(k, message)| k == key && message.contains(words));
+    assert!(is_said, "{key} with `{words}` is not in {found:?}");
+}
+
+fn kinds(text: &str) -> Vec<WarningKind> {
+    build(text).unwrap().cautions().into_iter().map(|warning| warning.kind).collect()
+}
+
+/// A block of two hexahedra above each other, 2 mm x 2 mm x 4 mm.
+fn block() -> Body {
+    let nodes =
+        (0..12).map(|n| [2.0 * f64::from(n & 1), 2.0 * f64::from(n >> 1 & 1), 2.0 * f64::from(n >> 2)]).collect();
+    let cell = |n: u32| [n, n + 1, n + 3, n + 2, n + 4, n + 5, n + 7, n + 6];
+    let mut block = Body::new(Formulation::Hex8Q1p0, nodes, &[cell(0), cell(4)]).unwrap();
+    block
+        .material(Material::from(Law::NeoHooke { c10: 0.1 }))
+        .name_nodes("bottom", |[_, _, z]| z == 0.0)
+        .name_nodes("middle", |[_, y, _]| y == 0.0)
+        .name_nodes("far", |[_, y, _]| y == 2.0)
+        .name_faces("top", |[_, _, z]| z == 4.0)
+        .hold("bottom", "xyz")
+        .times([1.0]);
+    block
+}
+
+#[track_caller]
+fn assert_body_refused(body: &Body, key: &str, words: &str) {
+    let Err(Error::Input(errors)) = body.analysis() else { panic!("it was built") };
+    let said: Vec<_> = errors.iter().map(|error| (error.key().unwrap_or_default(), error.to_string())).collect();
+    assert!(said.iter().any(|(k, message)| *k == key && message.contains(words)), "{said:?}");
+}
+
+#[test]
+fn changes_of_the_mesh_have_no_order() {
+    let changed = |text: &str, changes: &[(&str, &str)]| {
+        let mut study = Study::from_text("finger.toml", text).unwrap();
+        changes.iter().for_each(|(key, value)| {
+            study.set(key, value).unwrap();
+        });
+        study.case().unwrap().mesh.clone()
+    };
+    let paper = template::two_chambers().replace("resolution = \"standard\"", "size = 1.0\nelement = \"hex8-sri\"");
+    let (element, resolution, size) = (("mesh.element", "tet10"), ("mesh.resolution", "draft"), ("mesh.size", "2.0"));
+    for text in [template::two_chambers(), paper.clone()] {
+        for changes in [[element, resolution, size], [resolution, size, element], [size, element, resolution]] {
+            let mesh = changed(&text, &changes);
+            assert_eq!(mesh, changed(&text, &[resolution, element, size]));
+            assert_eq!((mesh.formulation(), mesh.size.is_some()), (Formulation::Tet10, true));
+        }
+    }
+    // A resolution takes the place of a mesh that was given by its size, element and all.
+    let mesh = changed(&paper, &[resolution]);
+    assert_eq!((mesh.formulation(), mesh.size), (Formulation::Hex27, None));
+    // An element that stands beside a resolution was chosen for it.
+    let chosen =
+        template::two_chambers().replace("resolution = \"standard\"", "resolution = \"standard\"\nelement = \"hex20\"");
+    assert_eq!(changed(&chosen, &[resolution]).formulation(), Formulation::Hex20);
+}
+
+#[test]
+fn an_imported_body_is_not_meshed() {
+    let mut body = block();
+    body.model.mesh.resolution = Some(pneuflex::model::Resolution::Fine);
+    assert_body_refused(&body, "mesh.resolution", "imported body");
+    let deck = "[model]\nfile = \"a.inp\"\n[mesh]\nelement = \"tet10\"\nsize = 2.0\n";
+    let found = refused(deck);
+    assert_eq!(found.iter().map(|(key, _)| key.as_str()).collect::<Vec<_>>(), ["mesh.element", "mesh.size"]);
+    // What an actuator of a model file is meshed with has a range as in a case file.
+    assert_refused(&model("").replace("resolution = \"draft\"", "size = 0.0"), "mesh.size", "greater than 0");
+}
+
+#[test]
+fn nothing_hides_another_of_its_name() {
+    let two = |table: &str| format!("{table}{table}");
+    let probe = "[[probe]]\nname = \"tip\"\nat = [42.0, 0.0, 0.0]\n";
+    assert_refused(&model(&two(probe)), "probe[1].name", "different");
+    assert_refused(&file(&format!("[load]\npressure_kpa = [1]\n{}", two(probe))), "probe[1].name", "different");
+    let cavity = "[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 1\n";
+    assert_refused(&model(&two(cavity)), "cavity[1].name", "different");
+    let region =
+        "[[region]]\nname = \"r\"\nbox = [[0, -10, 0], [42, 10, 1]]\nmaterial = { law = \"neo-hooke\", c10 = 1.0 }\n";
+    assert_refused(&model(&two(region)), "region[1].name", "different");
+    let obstacle = "[[obstacle]]\nname = \"o\"\nshape = \"plane\"\npoint = [0, 0, -9]\nnormal = [0, 0, 1]\n";
+    assert_refused(&model(&two(obstacle)), "obstacle[1].name", "different");
+    // The same surfaces twice would be twice as stiff.
+    let contact = "[[contact]]\nslave = \"cavity\"\nmaster = \"cavity\"\n";
+    assert_refused(&model(&two(contact)), "contact[1].slave", "already");
+    assert_refused(
+        &model("[[contact]]\nslave = \"gap_1_right\"\nmaster = \"gap_1_left\"\n"),
+        "contact[0].slave",
+        "already",
+    );
+    let mut body = block();
+    body.pressure("top", 1.0).probe("p", [0.0; 3]).probe("p", [2.0; 3]);
+    assert_body_refused(&body, "probe[1].name", "different");
+}
+
+#[test]
+fn probes_are_on_the_body() {
+    let probe = |at: &str| format!("[[probe]]\nname = \"p\"\nat = {at}\n");
+    let pressure = "[load]\npressure_kpa = [1]\n";
+    for at in ["[-inf, 0, 0]", "[nan, 0, 0]", "[1e300, 0, 0]", "[0, 9000, 0]", "[42, -3, 0]"] {
+        assert_refused(&model(&probe(at)), "probe[0].at", "");
+        assert_refused(&file(&(pressure.to_owned() + &probe(at))), "probe[0].at", "");
+    }
+    for at in [[f64::NEG_INFINITY, 0.0, 0.0], [0.0, f64::NAN, 0.0], [0.0, 0.0, 1e300], [0.0, 9.0, 0.0]] {
+        assert_body_refused(block().probe("p", at), "probe[0].at", "");
+    }
+    assert_eq!(kinds(&model(&probe("[42, 0, 0]"))), []);
+    assert_eq!(kinds(&model(&probe("[45, 0, 0]"))), [WarningKind::Probe]);
+}
+
+#[test]
+fn what_breaks_the_plane_of_a_half_is_refused_and_the_whole_takes_it() {
+    let gravity = "[gravity]\nacceleration = [0.0, -9810.0, 0.0]\n";
+    let force = "[[force]]\nnodes = \"end_face\"\ntotal = [0.0, 0.1, 0.0]\n";
+    let moved = "[[support]]\nnodes = \"end_face\"\naxes = \"y\"\ndisplacement = [0, 2, 0]\n";
+    let traction = "[[traction]]\nfaces = \"end_face\"\ntraction_mpa = [0, 0.001, 0]\n";
+    let ball = |y: f64| {
+        format!("[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncentre = [30.0, {y:?}, -6.0]\nradius = 5.0\n")
+    };
+    let (beyond, beside) = (ball(-6.0), ball(6.0));
+    for (rest, key) in [
+        (gravity, "gravity.acceleration"),
+        (force, "force[0].total"),
+        (moved, "support[0].displacement"),
+        (traction, "traction[0].traction_mpa"),
+        (&beyond, "obstacle[0].centre"),
+        (&ball(2.0), "obstacle[0].centre"),
+    ] {
+        assert_refused(&model(rest), key, "set actuator.part = \"whole\"");
+        assert_refused(&model(rest), key, "y = 0");
+        let whole = model(rest).replace("base = 4.0", "base = 4.0\npart = \"whole\"");
+        assert!(build(&whole).is_ok(), "{rest}");
+    }
+    let case = |rest: &str| file(&format!("[load]\npressure_kpa = [20]\n{rest}"));
+    assert_refused(&case(&beyond), "obstacle[0].centre", "nothing is modelled");
+    assert!(build(&case(&beyond).replace("base = 4.0", "base = 4.0\npart = \"whole\"")).is_ok());
+    // Two balls, one on either side.
+    assert_eq!(
+        (kinds(&case(&beside)), kinds(&model(&beside))),
+        (vec![WarningKind::Symmetry], vec![WarningKind::Symmetry])
+    );
+    assert_eq!((kinds(&case(&ball(0.0))), kinds(&model(&ball(0.0)))), (vec![], vec![]));
+    // A declared plane is no other.
+    let mut body = block();
+    body.symmetry("middle", "y").force("far", [0.0, 0.1, 0.0]);
+    assert_eq!(body.analysis().unwrap().cautions()[0].kind, WarningKind::Symmetry);
+    body.force("top", [0.0, 0.1, 0.0]);
+    assert_body_refused(&body, "force[1].total", "model the whole body");
+    let mut roller = block();
+    roller.hold("middle", "y").force("top", [0.0, 0.1, 0.0]);
+    assert!(roller.analysis().unwrap().cautions().is_empty());
+}
+
+#[test]
+fn a_region_is_what_its_box_says() {
+    let region = |corners: &str| {
+        format!(
+            "[[region]]\nname = \"paper\"\nbox = {corners}\nmaterial = {{ law = \"neo-hooke\", c10 = 2.71, bulk_modulus = 1800.0 }}\n"
+        )
+    };
+    let volume = |text: &str| {
+        let problem = build(text).unwrap().problem;
+        problem.mesh.volume_of(problem.regions[0].elements.iter().copied())
+    };
+    let layer = model(&region("[[0, -10, 0], [42, 10, 1.0]]"));
+    assert!((volume(&layer) - 420.0).abs() < 1e-9, "{}", volume(&layer));
+    assert!((volume(&layer.replace("base = 4.0", "base = 4.0\npart = \"whole\"")) - 840.0).abs() < 1e-9);
+    // Inside of the base, and with tetrahedra.
+    let bar = model(&region("[[3.3, -2.5, 0.4], [38.1, 2.5, 1.7]]"));
+    assert!((volume(&bar) - 34.8 * 2.5 * 1.3).abs() < 1e-9);
+    let tetrahedra = bar.replace("resolution = \"draft\"", "resolution = \"draft\"\nelement = \"tet10\"");
+    assert!((volume(&tetrahedra) - 34.8 * 2.5 * 1.3).abs() < 1e-9);
+    assert!(build(&layer).unwrap().overview().to_string().contains("420"), "check prints the volume");
+    // One side only, on both but not alike, two of it.
+    assert_refused(
+        &model(&region("[[0, -10, 0], [42, -1, 1.0]]")),
+        "region[0].box",
+        "beyond the plane of symmetry y = 0",
+    );
+    assert_refused(&model(&region("[[0, -3, 0], [42, 10, 1.0]]")), "region[0].box", "the same on both sides");
+    assert_eq!(kinds(&model(&region("[[0, 2, 0], [42, 10, 1.0]]"))), [WarningKind::Symmetry]);
+    // Elsewhere it must follow the elements.
+    let stiff = Material::from(Law::NeoHooke { c10: 1.0 });
+    let boxed = |z: f64| {
+        let mut body = block();
+        body.model.regions.push(pneuflex::model::model_file::RegionTable {
+            name: "r".into(),
+            elements: None,
+            within: Some([[0.0; 3], [2.0, 2.0, z]]),
+            material: stiff.clone(),
+        });
+        body
+    };
+    assert_eq!(boxed(2.05).analysis().unwrap().problem.regions[0].elements, [0]);
+    assert_body_refused(&boxed(1.5), "region[0].box", "6.0");
+    assert_body_refused(&boxed(0.5), "region[0].box", "must follow faces");
+}
+
+#[test]
+fn results_carry_warnings_in_every_kind_of_file() {
+    let kinds = |analysis: &Analysis| -> Vec<WarningKind> {
+        analysis.solve().unwrap().warnings.into_iter().map(|warning| warning.kind).collect()
+    };
+    // A soft plate that is pressed onto a block: it enters by more than 1 % of an element.
+    let mut pressed = block();
+    let plate = "name = \"plate\"\nshape = \"plane\"\nfaces = \"top\"\npoint = [0, 0, 4]\nnormal = [0, 0, -1]\n\
+                 displacement = [0, 0, -0.3]\nstiffness = 0.5\n";
+    pressed.model.obstacles.push(toml::from_str(plate).unwrap());
+    assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::Penetration, WarningKind::CoarseMesh]);
+    pressed.model.obstacles[0].stiffness = Some(500.0);
+    assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::CoarseMesh]);
+    // Constants in kPa instead of MPa, as a case file and as a model file.
+    let mesh = "resolution = \"draft\"";
+    let coarse = "size = 4.5\nelement = \"hex8-q1p0\"";
+    let stiff = "[material]\nlaw = \"neo-hooke\"\nc10 = 100.0\nbulk_modulus = 10000.0\n";
+    let air = "[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 60\n";
+    for rest in [format!("{stiff}[load]\npressure_kpa = [60]\n"), format!("{stiff}{TIMES}{air}")] {
+        let found = kinds(&build(&file(&rest).replace(mesh, coarse)).unwrap());
+        assert_eq!(found, [WarningKind::Units, WarningKind::CoarseMesh, WarningKind::Units], "{rest}");
+        let soft = rest.replace("100.0", "0.3").replace("10000.0", "1000.0").replace("60", "5");
+        assert_eq!(kinds(&build(&file(&soft).replace(mesh, coarse)).unwrap()), [WarningKind::CoarseMesh], "{soft}");
+    }
+}

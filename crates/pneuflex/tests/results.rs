@@ -1,0 +1,258 @@
+//! What results are those of: half and whole, case file and model file, loads on faces, runs that stop on their way.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use pneuflex::mesh::ElementKind;
+use pneuflex::mesh::lattice::Lattice;
+use pneuflex::model::{Formulation, Law, Material};
+use pneuflex::post::summary::StepSummary;
+use pneuflex::report_page::report_page;
+use pneuflex::{Body, Error, Event, Solution, StopToken, Study};
+use serde_json::Value;
+
+const BODY: &str = "[actuator]\nchambers = 2\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 0.0\nwidth = 20.0\n\
+                    height = 13.0\nbase = 4.0\nside_wall = 1.0\ntop_wall = 1.0\n\
+                    channel = { half_width = 1.0, bottom = 2.0, top = 3.0 }\npart = \"PART\"\n\
+                    [mesh]\nelement = \"hex8-q1p0\"\nsize = [2.0, 2.5, 3.0]\n[material]\nlaw = \"neo-hooke\"\nc10 = 0.2\n\
+                    invariant = \"isochoric\"\n\
+                    [[probe]]\nname = \"tip\"\nat = [18.0, 0.0, 0.0]\n\
+                    [[obstacle]]\nname = \"table\"\nshape = \"plane\"\npoint = [3.0, 2.0, -0.2]\nnormal = [0.0, 0.0, 1.0]\n";
+
+/// The chambers over a table at 30 kPa.
+fn solved(part: &str, rest: &str) -> (Solution, String) {
+    let text = BODY.replace("PART", part) + rest;
+    let analysis = Study::from_text("chambers.toml", &text).unwrap().build().unwrap();
+    (analysis.solve().unwrap(), analysis.overview().to_string())
+}
+
+const CASE: &str = "[load]\npressure_kpa = [30]\n";
+const MODEL: &str = "[load]\ntimes = [30]\n[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 30\n\
+                     [solver]\nfirst_step = 5.0\nmax_step = 20.0\n";
+
+/// Numbers of two results that describe the same body, which are to be equal.
+fn compare(name: &str, a: &StepSummary, b: &StepSummary) {
+    let numbers = |state: &StepSummary| {
+        let table = &state.obstacles["table"];
+        let mut all = vec![
+            state.end_face_angle_deg.unwrap(),
+            state.max_von_mises_mpa,
+            state.cavity_volume_mm3,
+            state.strain_energy_mj,
+            state.contact.area_mm2,
+            state.contact.penalty_energy_mj,
+            state.contact.penetrating_area_mm2,
+            state.contact.points_active as f64,
+            table.area_mm2,
+            table.points_active as f64,
+        ];
+        all.extend([state.probes["tip"], state.reaction_n, table.force_n, table.moment_nmm].as_flattened());
+        all
+    };
+    for (i, (a, b)) in numbers(a).into_iter().zip(numbers(b)).enumerate() {
+        assert!((a - b).abs() < 1e-8 * (1.0 + a.abs()), "{name}: number {i} is {a} and {b}");
+    }
+}
+
+#[test]
+fn half_and_whole_case_file_and_model_file_agree_in_every_number() {
+    let ((half, overview), (whole, of_whole)) = (solved("half", CASE), solved("whole", CASE));
+    let (model, of_model) = solved("half", MODEL);
+    let state = &half.states[0];
+    compare("whole", state, &whole.states[0]);
+    compare("model file", state, &model.states[0]);
+    // The table carries what the clamp holds, and walls touch.
+    let force = state.obstacles["table"].force_n[2];
+    assert!(force < -0.05 && (force - state.reaction_n[2]).abs() < 1e-7 && state.contact.area_mm2 > 0.0, "{state:?}");
+    assert_eq!((state.reaction_n[1], state.obstacles["table"].force_n[1]), (0.0, 0.0));
+    // The halves pull at each other; that is nobody's reaction.
+    let across = state.symmetry_reactions["y = 0"];
+    assert!(across[1] < -1.0 && across[0] == 0.0 && whole.states[0].symmetry_reactions.is_empty(), "{across:?}");
+    assert_eq!(model.states[0].reactions.keys().collect::<Vec<_>>(), ["clamp"]);
+    for (overview, contact) in [(&overview, "1 gap"), (&of_model, "gap_1:")] {
+        assert!(overview.contains("symmetry  half of the body is modelled, symmetric to y = 0"), "{overview}");
+        let row = overview.lines().find(|line| line.starts_with("contact") && line.contains(contact)).unwrap();
+        let table = overview.lines().find(|line| line.starts_with("obstacle")).unwrap();
+        let stiffness = |line: &str| line.rsplit(", ").next().unwrap().to_owned();
+        assert_eq!((stiffness(row), stiffness(table)), ("2.949852507 N/mm3".into(), "2.949852507 N/mm3".into()));
+    }
+    assert!(!of_whole.contains("symmetry"));
+}
+
+/// A bar of 4 mm × 2 mm × 1 mm with cells of different sizes, held at x = 0; a quarter of one that is twice as wide and high.
+fn bar(formulation: Formulation) -> Body {
+    let lines = [vec![0.0, 1.0, 4.0], vec![0.0, 0.5, 2.0], vec![0.0, 1.0]];
+    let mesh = Lattice { lines }.mesh(formulation.element_kind(), |_| true).mesh;
+    let mut bar = Body::of_mesh(formulation, mesh).unwrap();
+    bar.material(Material::from(Law::NeoHooke { c10: 0.1 }))
+        .name_nodes("root", |[x, _, _]| x == 0.0)
+        .name_nodes("end", |[x, _, _]| x == 4.0)
+        .name_nodes("middle", |[_, y, _]| y == 0.0)
+        .name_nodes("bottom", |[_, _, z]| z == 0.0)
+        .name_faces("end face", |[x, _, _]| x == 4.0)
+        .hold("root", "xyz")
+        .probe("end", [4.0, 2.0, 1.0])
+        .times([1.0]);
+    bar
+}
+
+#[test]
+fn a_force_on_the_nodes_of_a_face_is_a_traction_on_it_for_every_element() {
+    for formulation in Formulation::ALL {
+        let solved = |load: &dyn Fn(&mut Body)| {
+            let mut bar = bar(formulation);
+            load(&mut bar);
+            bar.analysis().unwrap().solve().unwrap().states.remove(0)
+        };
+        let traction = solved(&|bar| {
+            let traction_mpa = [0.05, 0.0, -0.002];
+            let faces = "end face".to_owned();
+            bar.model.tractions.push(pneuflex::model::model_file::TractionTable { faces, traction_mpa, factor: None });
+        });
+        assert!(traction.probes["end"][0] > 0.1, "{formulation}: {:?}", traction.probes);
+        for set in ["end", "end face"] {
+            let force = solved(&|bar| {
+                bar.force(set, [0.1, 0.0, -0.004]);
+            });
+            for (a, b) in traction.probes["end"].iter().zip(force.probes["end"]) {
+                assert!((a - b).abs() < 1e-9, "{formulation}, {set}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn results_are_of_the_whole_where_planes_are_declared() {
+    let solved = |planes: &[(&str, &str)], is_declared: bool| {
+        let mut bar = bar(Formulation::of_kind(ElementKind::Hex20).unwrap());
+        for (nodes, axis) in planes {
+            if is_declared {
+                bar.symmetry(nodes, axis)
+            } else {
+                bar.hold(nodes, axis)
+            };
+        }
+        bar.force("end", [0.1, 0.0, 0.0]);
+        let analysis = bar.analysis().unwrap();
+        (analysis.modelled_part(), analysis.solve().unwrap().states.remove(0))
+    };
+    let planes = [("middle", "y"), ("bottom", "z")];
+    let ((part, quarter), (unknown, model)) = (solved(&planes, true), solved(&planes, false));
+    assert_eq!((part, unknown), (Some("quarter"), None));
+    assert!((quarter.reaction_n[0] + 0.4).abs() < 1e-9 && (model.reaction_n[0] + 0.1).abs() < 1e-9);
+    assert_eq!(quarter.strain_energy_mj, 4.0 * model.strain_energy_mj);
+    assert_eq!((quarter.reactions.len(), model.reactions.len()), (1, 3));
+    // Each cross-section has two quarters.
+    let [y, z] = ["middle", "bottom"].map(|name| model.reactions[name]);
+    assert_eq!(quarter.symmetry_reactions["y = 0"], [0.0, 2.0 * y[1], 0.0]);
+    assert_eq!(quarter.symmetry_reactions["z = 0"], [0.0, 0.0, 2.0 * z[2]]);
+
+    let mut wrong = bar(Formulation::Hex8Q1p0);
+    wrong.symmetry("end", "y");
+    let Err(Error::Input(errors)) = wrong.analysis() else { panic!("it was taken") };
+    assert_eq!(errors[0].key(), Some("support[1].symmetry"));
+    assert!(errors[0].to_string().contains("one plane y = const"), "{}", errors[0]);
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("pneuflex-results-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&path);
+    path
+}
+
+fn summary(folder: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
+}
+
+fn fields(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = (fs::read_dir(folder.join("fields")).unwrap())
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_that_stops_keeps_what_it_reached_on_the_way() {
+    let mut study = Study::from_text("chambers.toml", &(BODY.replace("PART", "half") + MODEL)).unwrap();
+    study.set("obstacle", "[]").unwrap();
+    // The walls have no stiffness left long before the second time.
+    study.set("material", "{ law = 'neo-hooke', c10 = 0.02 }").unwrap();
+    study.set("load.times", "[2, 200]").unwrap().set("solver.min_step", "1").unwrap();
+    study.set("cavity", "[{ name = 'air', faces = 'cavity', pressure_kpa = [[0, 0], [200, 100]] }]").unwrap();
+    let (analysis, folder) = (study.build().unwrap(), scratch("stops"));
+    let Err(Error::NotConverged(ended)) = analysis.run().record(&folder).solve() else { panic!("it converged") };
+    let last = ended.reached.last.as_ref().unwrap();
+    assert_eq!(last.parameter, ended.failure.reached);
+    let found = summary(&folder);
+    let missed = &found["steps"][1];
+    // The pressure that was asked for at that time, and not the time.
+    assert_eq!(
+        (&missed["converged"], &missed["time"], &missed["pressure_kpa"]),
+        (&false.into(), &200.0.into(), &100.0.into())
+    );
+    let on_the_way = found["on_the_way"].as_array().unwrap();
+    let times: Vec<f64> = on_the_way.iter().map(|state| state["time"].as_f64().unwrap()).collect();
+    assert!(times[0] > 2.0 && times.windows(2).all(|w| w[0] < w[1]) && times.len() <= 6, "{times:?}");
+    assert_eq!(times.last(), Some(&last.parameter.0));
+    for state in on_the_way {
+        let [time, pressure] = ["time", "pressure_kpa"].map(|key| state[key].as_f64().unwrap());
+        assert!((pressure - 0.5 * time).abs() < 1e-9 && state["probes"]["tip"][2].as_f64().unwrap() < 0.0, "{state}");
+    }
+    assert!(fields(&folder).contains(&format!("step_on_the_way_{:02}.vtu", times.len())));
+    let page = report_page(&folder).unwrap();
+    assert!(page.contains("lies on the way to the next requested time") && !page.contains("at rest."), "no word of it");
+    assert!(page.contains(&format!("\"on_the_way\":{}", times.len())) && page.contains("on the way</span>"));
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// What was on the way when a run was stopped is gone once it has gone on, and kept again if it is stopped again.
+#[test]
+fn a_run_that_goes_on_leaves_no_states_on_the_way() {
+    let mut study = Study::from_text("chambers.toml", &(BODY.replace("PART", "half") + CASE)).unwrap();
+    study.set("obstacle", "[]").unwrap().set("solver.max_step_kpa", "3").unwrap();
+    study.set("solver.first_step_kpa", "3").unwrap();
+    let (analysis, folder) = (study.build().unwrap(), scratch("goes-on"));
+    let undisturbed = analysis.solve().unwrap();
+    let stopped_after = |steps: usize| {
+        let (token, mut left) = (StopToken::new(), steps);
+        let stop = token.clone();
+        let run = analysis.run().stop(&token).resume(&folder).observer(move |event| {
+            if matches!(event, Event::StepAccepted(_)) {
+                left -= 1;
+                if left == 0 {
+                    stop.stop();
+                }
+            }
+        });
+        let Err(Error::Interrupted(_)) = run.solve() else { panic!("it was not stopped") };
+        let found = summary(&folder);
+        let states = found["on_the_way"].as_array().unwrap().clone();
+        states.iter().map(|state| state["pressure_kpa"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(stopped_after(2), [3.0, 6.0]);
+    // Those from before the interruption are there, one in every fifth of the way.
+    assert_eq!(stopped_after(3), [3.0, 6.0, 12.0, 15.0]);
+    let page = report_page(&folder).unwrap();
+    assert!(
+        page.contains("The last shape, at <strong>15 kPa</strong>, lies on the way to the next requested pressure")
+    );
+    let complete = analysis.run().resume(&folder).solve().unwrap();
+    assert!(summary(&folder)["on_the_way"].is_null() && complete.last.is_none());
+    assert_eq!(fields(&folder), ["contact_01.vtu", "series.pvd", "step_01.vtu"]);
+    assert!(!fs::read_to_string(folder.join("fields/series.pvd")).unwrap().contains("on_the_way"));
+    let [found, expected] = [&complete, &undisturbed].map(|solution| solution.states[0].probes["tip"]);
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+
+    // Results of the older form are neither shown nor gone on with: their numbers were those of the half.
+    let mut old = summary(&folder);
+    old["format"] = 1.into();
+    fs::write(folder.join("summary.json"), old.to_string()).unwrap();
+    let shown = report_page(&folder).unwrap_err().to_string();
+    assert!(shown.contains("format 1 instead of 2"), "{shown}");
+    let Err(Error::Input(errors)) = analysis.run().resume(&folder).solve() else { panic!("it went on") };
+    assert!(errors[0].to_string().contains("format 1 instead of 2"), "{}", errors[0]);
+    fs::remove_dir_all(&folder).unwrap();
+}
