@@ -68,6 +68,8 @@ mod tests {
             linearisation: None,
             contact_multipliers: Vec::new(),
             augmentation: None,
+            mesh_motions: None,
+            is_careful: false,
         }
     }
 

@@ -80,6 +80,13 @@ impl Path {
         Ok(())
     }
 
+    /// The last load step counts no more: whoever records or resumes begins at the one before.
+    fn tell_of_going_back(&self, start: LoadParameter, approach: &Approach, observer: Observer<'_>) {
+        if self.equilibrium.state.parameter < start {
+            observer(Event::StepAccepted(&self.checkpoint(*approach)));
+        }
+    }
+
     /// Halves the step.
     fn reject(
         &mut self,
@@ -108,8 +115,10 @@ impl Path {
         }
         if approach.step < least {
             self.confirm(observer);
+            self.tell_of_going_back(start, approach, observer);
             return Err(self.failure(attempted, cause));
         }
+        self.tell_of_going_back(start, approach, observer);
         Ok(())
     }
 }
