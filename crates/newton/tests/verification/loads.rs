@@ -188,6 +188,53 @@ fn equations_tie_a_face_to_one_of_its_nodes() {
     }
 }
 
+/// Equations that are eliminated and equations with multipliers say the same, with prescribed motion at a master, a pressure whose tangent
+/// is unsymmetric and gravity on the slaves; and so do equations that chain nodes or refer all of them to one.
+#[test]
+fn eliminated_equations_are_those_with_multipliers() {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet10] {
+        let mut problem = block(formulation, 50.0);
+        problem.material.density = 1.1;
+        let end = problem.mesh.select_nodes(|x| (x[0] - SIDES[0]).abs() < 1e-9);
+        let (held, free) = end.split_first().unwrap();
+        let motion = Motion { displacement: [0.3, 0.0, 0.0], curve: Curve::Proportional(1.0) };
+        problem.supports.push(Support {
+            name: "pull".into(),
+            nodes: vec![*held],
+            axes: [true, false, false],
+            motion: Some(motion),
+        });
+        let facets = problem.mesh.select_facets(|x| (x[1] - SIDES[1]).abs() < 1e-9 && x[0] > 0.9);
+        problem.loads.push(Load::Pressure { facets, curve: Curve::Proportional(0.2) });
+        let (acceleration, curve) = ([0.0, 0.0, 9.81e6], Curve::Proportional(1.0));
+        problem.loads.push(Load::Gravity { elements: None, acceleration, curve });
+        // The end stays plane, and its nodes move along y in proportion to those along z.
+        let mut solve = |pairs: &dyn Fn(usize) -> u32, value: &Curve| {
+            let tie = |(i, node): (usize, &u32)| {
+                let terms = vec![(*node, 0, 1.0), (pairs(i), 0, -1.0), (*node, 1, 0.3), (pairs(i), 1, -0.3)];
+                LinearEquation { terms, value: value.clone() }
+            };
+            problem.equations = free.iter().enumerate().map(tie).collect();
+            let strict = Solver { tolerance: 1e-10, ..settings() };
+            follow(&problem, &[1.0], &strict).remove(0)
+        };
+        let zero = Curve::Table(vec![[0.0, 0.0], [1.0, 0.0]]);
+        let expected = solve(&|_| *held, &zero);
+        let scale = expected.displacement.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let largest = expected.reaction.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for found in
+            [solve(&|_| *held, &Curve::ZERO), solve(&|i| if i == 0 { *held } else { free[i - 1] }, &Curve::ZERO)]
+        {
+            let off = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+                a.as_flattened().iter().zip(b.as_flattened()).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()))
+            };
+            let displacements = off(&found.displacement, &expected.displacement) / scale;
+            let reactions = off(&found.reaction, &expected.reaction) / largest;
+            assert!(displacements < 1e-8 && reactions < 1e-6, "{formulation}: {displacements:.1e} {reactions:.1e}");
+        }
+    }
+}
+
 /// The right-hand side of an equation moves what it ties: the mean of the end's displacements is prescribed.
 #[test]
 fn equations_prescribe_means() {
