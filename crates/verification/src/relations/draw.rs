@@ -387,11 +387,15 @@ fn gravity(dice: &mut Dice, material: &Material, end: f64) -> Option<GravityTabl
 fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
     let formulation = dice.one_of(&Formulation::ALL);
     let is_half = dice.chance(0.6);
-    let has_hole = dice.chance(0.6);
+    // A hole asks for three cells along every axis.
+    let has_hole = dice.chance(0.6) && (scale == Scale::Small || !formulation.element.is_quadratic());
     let size = [dice.between(6.0, 12.0), dice.between(3.0, 5.0), dice.between(3.0, 6.0)];
     let low = [0.0, if is_half { 0.0 } else { -size[1] }, 0.0];
     let high = [size[0], size[1], size[2]];
     let mut cells = if has_hole { [3, if is_half { 2 } else { 4 }, 3] } else { [3, 1, 1] };
+    if scale == Scale::Tiny && formulation.element.is_quadratic() {
+        cells = [2, 1, 1];
+    }
     if scale == Scale::Small && !formulation.element.is_quadratic() {
         cells = cells.map(|n| 2 * n);
     }
@@ -420,7 +424,7 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         value: dice.maybe(0.3, |dice| series(dice, 0.02 * size[2], end)),
     };
     let is_on_lines = dice.chance(0.8);
-    let third = if is_on_lines { size[0] / 3.0 } else { 0.41 * size[0] };
+    let third = if is_on_lines { size[0] / cells[0].min(3) as f64 } else { 0.41 * size[0] };
     let region = |dice: &mut Dice| {
         let is_box = dice.chance(0.5);
         RegionTable {
@@ -512,7 +516,7 @@ fn block(
             mesh.facet_sets.entry("outer".into()).or_default().push(facet);
         }
     }
-    let first_third = low[0] + (high[0] - low[0]) / 3.0;
+    let first_third = low[0] + (high[0] - low[0]) / 3.0_f64.min(cells[0] as f64);
     let corners = mesh.kind.num_corners();
     let in_front = |element: &u32| {
         let nodes = &mesh.element(*element as usize)[..corners];

@@ -130,7 +130,7 @@ fn deck(Body { mesh, .. }: &Body) -> Option<String> {
             let _ = writeln!(text, "{}, S{face}", facet.element + 1);
         }
     }
-    text += "*MATERIAL, NAME=ANY\n*HYPERELASTIC, NEO HOOKE\n1., 0.1\n*SOLID SECTION, ELSET=ALL, MATERIAL=ANY\n";
+    text += "*MATERIAL, NAME=ANY\n*HYPERELASTIC, NEO HOOKE\n1., 0.1\n*SOLID SECTION, ELSET=ALL, MATERIAL=ANY\n*STEP, NLGEOM\n*STATIC\n*END STEP\n";
     Some(text)
 }
 

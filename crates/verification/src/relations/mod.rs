@@ -154,7 +154,7 @@ fn shrunk(
     mut known: (String, [Files; 2]),
     dice: &mut dyn FnMut() -> Dice,
 ) -> Fault {
-    const MOST_ATTEMPTS: usize = 60;
+    const MOST_ATTEMPTS: usize = 25;
     let mut attempts = 0;
     'again: loop {
         for smaller in shrink::smaller(&draw) {
