@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pneuflex_verification::relations::{Fault, Files, Options, Scale, Tally, run as compare};
+use pneuflex_verification::relations::{Fault, Files, Options, Report, Scale, Tally, run as compare};
 
 use crate::program;
 
@@ -19,7 +19,7 @@ pub fn run(arguments: &[String]) -> ExitCode {
     };
     let folder = program::target_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).join("relations");
     let number = AtomicUsize::new(0);
-    let tallies = compare(&options, &|fault| {
+    let Report { relations: tallies, ends } = compare(&options, &|fault| {
         let name = format!("{:03}", number.fetch_add(1, Ordering::Relaxed));
         println!("BROKEN {name} {} (draw {}): {}", fault.relation, fault.draw, fault.why);
         if let Err(error) = write(&folder.join(name), options.seed, fault) {
@@ -27,6 +27,9 @@ pub fn run(arguments: &[String]) -> ExitCode {
         }
     });
     println!("{}", table(&tallies, options.draws.len()));
+    for (why, count) in &ends {
+        println!("{count:5} drawn problems: {}", why.chars().take(150).collect::<String>());
+    }
     let broken: usize = tallies.iter().map(|(_, tally)| tally.broken).sum();
     if broken == 0 {
         return ExitCode::SUCCESS;
@@ -41,7 +44,7 @@ fn parse(arguments: &[String]) -> Result<Options, String> {
     let mut rest = arguments.iter();
     while let Some(name) = rest.next() {
         if name == "--quick" {
-            (count, options.scale) = (8, Scale::Tiny);
+            (count, options.scale) = (24, Scale::Tiny);
             continue;
         }
         let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;

@@ -18,6 +18,7 @@ pub mod outcome;
 pub mod rewrite;
 pub mod shrink;
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,7 +26,7 @@ use std::thread;
 
 pub use draw::{Dice, Draw, Scale};
 pub use form::{Files, Form};
-pub use outcome::{Outcome, Verdict};
+pub use outcome::{End, Outcome, Verdict};
 pub use rewrite::{ALL, Checked, Relation};
 
 use rewrite::First;
@@ -73,26 +74,38 @@ pub struct Fault {
     pub files: [Files; 2],
 }
 
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Every relation by its name.
+    pub relations: Vec<(&'static str, Tally)>,
+    /// How many draws were refused, or stopped on the way, and why.
+    pub ends: BTreeMap<String, usize>,
+}
+
 /// Tries all relations on all draws, telling `observe` about every fault.
-pub fn run(options: &Options, observe: &(dyn Fn(&Fault) + Sync)) -> Vec<(&'static str, Tally)> {
-    let tallies = Mutex::new(vec![Tally::default(); ALL.len()]);
+pub fn run(options: &Options, observe: &(dyn Fn(&Fault) + Sync)) -> Report {
+    let tallies = Mutex::new((vec![Tally::default(); ALL.len()], BTreeMap::new()));
     let next = AtomicUsize::new(0);
     let workers = thread::available_parallelism().map_or(1, usize::from);
     thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {
                 while let Some(&number) = options.draws.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let found = one_draw(options, number, observe);
+                    let (end, found) = one_draw(options, number, observe);
                     let mut tallies = tallies.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
                     for (relation, verdict) in found {
-                        tallies[relation].add(&verdict);
+                        tallies.0[relation].add(&verdict);
+                    }
+                    if let End::Refused(why) | End::Stopped(why) = end {
+                        *tallies.1.entry(why).or_default() += 1;
                     }
                 }
             });
         }
     });
-    let tallies = tallies.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    ALL.iter().map(|relation| relation.name).zip(tallies).collect()
+    let (tallies, ends) = tallies.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    Report { relations: ALL.iter().map(|relation| relation.name).zip(tallies).collect(), ends }
 }
 
 impl Tally {
@@ -110,11 +123,11 @@ impl Tally {
     }
 }
 
-/// What became of the relations, by their numbers.
-fn one_draw(options: &Options, number: usize, observe: &(dyn Fn(&Fault) + Sync)) -> Vec<(usize, Verdict)> {
+/// How a draw ended, and what became of the relations, by their numbers.
+fn one_draw(options: &Options, number: usize, observe: &(dyn Fn(&Fault) + Sync)) -> (End, Vec<(usize, Verdict)>) {
     let draw = Draw::new(&mut Dice::of(options.seed, number), options.scale);
     let analysis = draw.analysis(Form::Text);
-    let Some(analysis) = analysis else { return Vec::new() };
+    let Some(analysis) = analysis else { return (End::Reached, Vec::new()) };
     let outcome = Outcome::of(&analysis);
     let mut found = Vec::new();
     for (which, relation) in ALL.iter().enumerate().filter(|(_, relation)| relation.name.contains(&options.only)) {
@@ -126,7 +139,7 @@ fn one_draw(options: &Options, number: usize, observe: &(dyn Fn(&Fault) + Sync))
         }
         found.push((which, checked.verdict));
     }
-    found
+    (outcome.end, found)
 }
 
 /// A panic is a fault of its own.
