@@ -44,6 +44,7 @@ pub struct Path {
     approach: Option<Approach>,
     stability: Stability,
     motion: PrescribedMotion,
+    has_moving_obstacles: bool,
     pressures: CavityPressures,
     clock: Clock,
     /// Largest stretching per load parameter at the beginning.
@@ -97,6 +98,7 @@ impl Path {
             approach: None,
             stability: Stability::default(),
             motion: PrescribedMotion::of(problem),
+            has_moving_obstacles: problem.obstacles.iter().any(|obstacle| obstacle.motion.is_some()),
             pressures: CavityPressures::of(problem)?,
             clock: problem.clock,
             first_rate: None,
