@@ -155,7 +155,7 @@ impl Pool {
 }
 
 /// Numbers and words that a reader may not expect.
-const ODD: [&str; 36] = [
+const ODD: [&str; 35] = [
     "0",
     "-0.0",
     "1",
@@ -171,7 +171,6 @@ const ODD: [&str; 36] = [
     "nan",
     "inf",
     "-inf",
-    "NaN",
     "4294967295",
     "4294967296",
     "-2147483649",

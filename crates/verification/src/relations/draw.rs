@@ -297,7 +297,8 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         } else {
             Vec::new()
         },
-        forces: forces(dice, "end_face", stiffness * solid.1, end),
+        // Less than what buckles it: beyond, there is more than one equilibrium.
+        forces: forces(dice, "end_face", 0.1 * stiffness * solid.1, end),
         tractions: tractions(dice, "end_face", stiffness, end),
         pressures: pressures(dice, "bottom", stiffness, end),
         gravity: gravity(dice, &material, end),

@@ -55,6 +55,8 @@ pub struct Tally {
     pub refused: usize,
     /// Stopped on the way on both sides, agreeing so far, or on one where the paths differ.
     pub stopped: usize,
+    /// It does not hold, with a warning of what touches on one side at least.
+    pub warned: usize,
     /// It does not hold.
     pub broken: usize,
     /// Largest difference where it holds.
@@ -118,6 +120,7 @@ impl Tally {
             }
             Verdict::Refused => self.refused += 1,
             Verdict::Stopped(_) => self.stopped += 1,
+            Verdict::Warned(_) => self.warned += 1,
             Verdict::Broken(..) => self.broken += 1,
         }
     }

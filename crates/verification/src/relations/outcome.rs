@@ -128,12 +128,22 @@ pub enum Verdict {
     Refused,
     /// Both stopped on the way, and agree so far.
     Stopped(f64),
+    /// It does not, but one of them says that what touches passes through each other: its points are too far apart to say where it is.
+    Warned(f64),
     /// It does not: why, and by how much.
     Broken(String, f64),
 }
 
 /// Compares two outcomes.
 pub fn compare(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure) -> Verdict {
+    let is_warned = [first, second].iter().any(|outcome| outcome.warnings.iter().any(|kind| kind == "Penetration"));
+    match closely(first, second, rule, measure) {
+        Verdict::Broken(_, difference) if is_warned => Verdict::Warned(difference),
+        verdict => verdict,
+    }
+}
+
+fn closely(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure) -> Verdict {
     let is_stopped = match (&first.end, &second.end) {
         (End::Refused(_), End::Refused(_)) => return Verdict::Refused,
         (End::Reached, End::Reached) => false,
