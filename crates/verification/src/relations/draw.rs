@@ -221,8 +221,9 @@ fn box_of(actuator: &Actuator) -> [[f64; 3]; 2] {
 
 fn probes(dice: &mut Dice, [low, high]: [[f64; 3]; 2]) -> Vec<Probe> {
     let count = dice.one_of(&[0, 1, 2]);
-    let at = |x: f64| [low[0] + x * (high[0] - low[0]), low[1].max(0.0), low[2]];
-    (0..count).map(|i| Probe { name: format!("probe {i}"), at: at(1.0 - 0.5 * f64::from(i)) }).collect()
+    // Nowhere halfway between two nodes, where rounding would choose one.
+    let at = |x: f64| std::array::from_fn(|d| low[d] + [x, 0.61, 0.13][d] * (high[d] - low[d]));
+    (0..count).map(|i| Probe { name: format!("probe {i}"), at: at(0.97 - 0.53 * f64::from(i)) }).collect()
 }
 
 fn case(dice: &mut Dice, scale: Scale) -> Case {
@@ -350,29 +351,29 @@ fn cavity(dice: &mut Dice, faces: &str, shear_modulus: f64, volume: f64, end: f6
 }
 
 fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTable> {
-    let mut table = |dice: &mut Dice| ForceTable {
+    let table = |dice: &mut Dice| ForceTable {
         nodes: nodes.to_owned(),
         total: [dice.between(-0.02, 0.02), 0.0, dice.between(-0.004, 0.004)].map(|x| x * strength),
         factor: factor(dice, end),
     };
-    dice.maybe(0.35, &mut table).into_iter().collect()
+    dice.maybe(0.35, table).into_iter().collect()
 }
 
 fn tractions(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<TractionTable> {
-    let mut table = |dice: &mut Dice| TractionTable {
+    let table = |dice: &mut Dice| TractionTable {
         faces: faces.to_owned(),
         traction_mpa: [dice.between(-0.01, 0.01), 0.0, dice.between(-0.004, 0.004)].map(|x| x * shear_modulus),
         factor: factor(dice, end),
     };
-    dice.maybe(0.3, &mut table).into_iter().collect()
+    dice.maybe(0.3, table).into_iter().collect()
 }
 
 fn pressures(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<PressureTable> {
-    let mut table = |dice: &mut Dice| {
+    let table = |dice: &mut Dice| {
         let pressure = 1e3 * shear_modulus * dice.between(-0.01, 0.01);
         PressureTable { faces: faces.to_owned(), pressure_kpa: series(dice, pressure, end) }
     };
-    dice.maybe(0.25, &mut table).into_iter().collect()
+    dice.maybe(0.25, table).into_iter().collect()
 }
 
 fn gravity(dice: &mut Dice, material: &Material, end: f64) -> Option<GravityTable> {

@@ -139,11 +139,14 @@ fn rows(numbers: impl Iterator<Item = usize>, length: usize, end: &str) -> Strin
     numbers.chunks(length).map(|row| row.join(", ")).collect::<Vec<_>>().join(end)
 }
 
+/// Gmsh's type and nodes.
+type Piece = (i32, Vec<u32>);
+
 /// Gmsh's format 4.1, as text: a piece of the body or its surface for every combination of sets.
 fn gmsh(mesh: &Mesh, scale: f64) -> String {
     let family = mesh.kind.family();
     // Dimension, Gmsh's type and nodes of every piece, by dimension and names of sets.
-    let mut pieces: BTreeMap<(u8, Vec<&String>), Vec<(i32, Vec<u32>)>> = BTreeMap::new();
+    let mut pieces: BTreeMap<(u8, Vec<&String>), Vec<Piece>> = BTreeMap::new();
     let mut names: BTreeMap<(u8, &String), usize> = BTreeMap::new();
     for (dimension, name) in (mesh.node_sets.keys().map(|name| (0, name)))
         .chain(mesh.facet_sets.keys().map(|name| (2, name)))

@@ -253,12 +253,12 @@ fn whole_model(half: &Model) -> Option<Model> {
         Series::End(value) => Series::End(2.0 * value),
         Series::Points(points) => Series::Points(points.iter().map(|[t, v]| [*t, 2.0 * v]).collect()),
     };
-    let across = (half.forces.iter().map(|force| force.total[1]))
+    let mut across = (half.forces.iter().map(|force| force.total[1]))
         .chain(half.tractions.iter().map(|traction| traction.traction_mpa[1]))
         .chain(half.supports.iter().filter_map(|support| Some(support.displacement?[1])))
         .chain(half.obstacles.iter().filter_map(|obstacle| Some(obstacle.displacement?[1])))
         .chain(half.gravity.iter().map(|gravity| gravity.acceleration[1]));
-    let is_across = across.fold(false, |found, y| found || y != 0.0);
+    let is_across = across.any(|y| y != 0.0);
     let turns = half.equations.iter().flat_map(|equation| &equation.terms).any(|(_, axis, _)| axis == "y");
     if is_across || turns {
         return None;
