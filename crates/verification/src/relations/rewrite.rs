@@ -398,7 +398,6 @@ fn split(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
 /// What a key is set to does not depend on when another one is set.
 fn set_in_any_order(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
     let files = first.draw.files(Form::Text)?;
-    let text = String::from_utf8_lossy(&files[0].1).into_owned();
     // Values come from other draws.
     let other = (0..).map(|_| Draw::new(dice, Scale::Tiny)).find(|other| other.kind() == first.draw.kind())?;
     let other = String::from_utf8_lossy(&other.files(Form::Text)?[0].1).into_owned();
@@ -414,8 +413,6 @@ fn set_in_any_order(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
             chosen.push(change);
         }
     }
-    let mut known = text.parse::<toml::Table>().ok()?;
-    known.retain(|_, value| value.is_table());
     let apply = |changes: Vec<Change>| -> Result<Analysis, Error> {
         let mut study = Study::from_files(&files[0].0, files.clone())?;
         study.set_all(changes)?;
