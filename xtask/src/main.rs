@@ -3,7 +3,9 @@
 
 mod bench;
 mod corpus;
+mod fuzz;
 mod program;
+mod relations;
 mod report_test;
 mod tidy;
 mod validate;
@@ -18,6 +20,11 @@ tasks:
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
   corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
+  fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
+            [--draws N] [--seed S]
+  relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
+            turned, split, resumed, ...; fails if one has two, and writes it into target/relations
+            [--quick] [--draws N] [--seed S] [--from NUMBER] [--only PART OF A NAME]
   report-test [RESULT_DIR]
             open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
             target/report-test
@@ -34,6 +41,8 @@ fn main() -> ExitCode {
     match arguments.first().map(String::as_str) {
         Some("bench") => bench::run(&arguments[1..]),
         Some("corpus") => corpus::run(&arguments[1..]),
+        Some("fuzz") => fuzz::run(&arguments[1..]),
+        Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
         Some("verification") if rest.is_empty() => verification::run(false),

@@ -25,7 +25,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("cli", &["pneuflex"]),
     ("benches", &["pneuflex"]),
-    ("verification", &["mesh", "model", "contact", "assembly", "factor", "newton", "post"]),
+    ("verification", &["mesh", "model", "laws", "contact", "assembly", "factor", "newton", "post", "pneuflex"]),
     ("xtask", &["pneuflex", "verification"]),
 ];
 

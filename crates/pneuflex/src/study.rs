@@ -90,8 +90,15 @@ impl Study {
     /// # Errors
     /// [`Error::Input`] if there is no such key or the value is out of range; the study is then as it was.
     pub fn set(&mut self, key: &str, value: &str) -> Result<&mut Self, Error> {
-        let mut changes = self.changes.clone();
-        changes.push(Change::new(key, value));
+        self.set_all([Change::new(key, value)])
+    }
+
+    /// Sets several keys at once: what one of them alone would break may be mended by another.
+    ///
+    /// # Errors
+    /// As for [`Self::set`].
+    pub fn set_all(&mut self, changes: impl IntoIterator<Item = Change>) -> Result<&mut Self, Error> {
+        let changes: Vec<Change> = self.changes.iter().cloned().chain(changes).collect();
         self.described = read(&self.path, &self.text, &changes)?;
         self.changes = changes;
         Ok(self)

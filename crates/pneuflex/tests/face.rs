@@ -124,6 +124,49 @@ fn an_actuator_in_a_model_file_without_a_cavity_has_no_air() {
     );
 }
 
+/// A ball that comes up under a bar lifts it, as the bar does that comes down on the ball; it does not throw it to the other side of another
+/// obstacle (where it stayed, 5 mm lower, as an equilibrium).
+#[test]
+fn an_obstacle_that_moves_is_a_support_that_moves_the_other_way() {
+    let [length, half_width, height] = [9.78, 3.23, 4.22];
+    let at = |i: usize, j: usize, k: usize| (4 * i + 2 * j + k) as u32;
+    let nodes: Vec<[f64; 3]> = (0..16)
+        .map(|n| {
+            let [i, j, k] = [n / 4, n / 2 % 2, n % 2].map(|c| c as f64);
+            [i * length / 3.0, (2.0 * j - 1.0) * half_width, k * height]
+        })
+        .collect();
+    let face = |i| [at(i, 0, 0), at(i, 1, 0), at(i, 1, 1), at(i, 0, 1)];
+    let cells: Vec<Vec<u32>> = (0..3).map(|i| [face(i), face(i + 1)].concat()).collect();
+    let up = 0.633;
+    let solve = |is_ball_moved: bool| {
+        let mut bar = Body::new(Formulation::Hex8Sri, nodes.clone(), &cells).unwrap();
+        bar.material(Material { bulk_modulus: 3.0, ..Law::NeoHooke { c10: 0.3 }.into() })
+            .name_nodes("clamp", |[x, _, _]| x == 0.0)
+            .name_faces("under", |[_, _, z]| z == 0.0)
+            .probe("tip", [length, half_width, height])
+            .times([1.0]);
+        let [of_block, of_ball] = if is_ball_moved { [0.0, up] } else { [-up, 0.0] };
+        if is_ball_moved {
+            bar.hold("clamp", "xyz")
+        } else {
+            bar.displace("clamp", "xyz", [0.0, 0.0, -up])
+        };
+        let text = format!(
+            "[[obstacle]]\nname = \"block\"\nshape = \"cuboid\"\nfaces = \"under\"\ncentre = [5.61372, 0.0, -1.7724]\n\
+             size = [1.688, 3.376, 3.376]\nedge_radius = 0.3376\nstiffness = 3.78\ndisplacement = [0.0, 0.0, {of_block:?}]\n\
+             [[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\nfaces = \"under\"\ncentre = [7.24698, 0.0, -1.4348]\n\
+             radius = 1.4348\nstiffness = 4.5\ndisplacement = [0.0, 0.0, {of_ball:?}]\n"
+        );
+        bar.model.obstacles = toml::from_str::<pneuflex::model::model_file::Model>(&text).unwrap().obstacles;
+        let state = bar.analysis().unwrap().solve().unwrap().states.remove(0);
+        (state.probes["tip"][2] + if is_ball_moved { 0.0 } else { up }, state.obstacles["ball"].force_n[2])
+    };
+    let (lifted, lowered) = (solve(true), solve(false));
+    assert!((lifted.0 - lowered.0).abs() < 1e-5 && (lifted.1 - lowered.1).abs() < 1e-5, "{lifted:?} {lowered:?}");
+    assert!(lifted.0 > 0.03 && lifted.1 < -1e-3, "{lifted:?}");
+}
+
 #[test]
 fn bodies_that_make_no_sense_are_refused() {
     let refused = |nodes: Vec<[f64; 3]>, cell: &[u32]| match Body::new(Formulation::Hex8Q1p0, nodes, &[cell]) {

@@ -15,6 +15,9 @@
 //! * [`contact_patch`]: two blocks with faces that do not match.
 //! * [`hertz`]: a sphere on a block.
 //!
+//! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
+//! (`cargo xtask fuzz`).
+//!
 //! Exact solutions are those of incompressible Yeoh material and are derived where they are used; [`yeoh`] has its own formulas
 //! for the energy. Units: mm, N, MPa.
 
@@ -25,6 +28,8 @@ pub mod contact_patch;
 pub mod hertz;
 pub mod homogeneous;
 pub mod manufactured;
+pub mod mutation;
+pub mod relations;
 pub mod row;
 pub mod sphere;
 pub mod table;

@@ -7,6 +7,7 @@ use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::stability;
 use crate::state::{Correction, State};
+use crate::tangent_solver::{Assembled, Tangent};
 
 impl Path {
     /// One load step towards `aim`, which becomes the position that is tried: a guess along the tangent, cut short where it
@@ -51,12 +52,24 @@ impl Path {
         let loaded = start.moved_to(wanted);
         let assembled = self.system.residual(&loaded)?;
         let change = self.motion.change(&loaded);
+        let (assembled, tangent) = self.met(&loaded, assembled, tangent)?;
         let correction = self.system.solve(&tangent, &assembled, change.as_deref())?;
         if self.first_rate.is_none() {
             self.first_rate = stability::compliance(&mut self.system, &tangent, start, &correction)?;
         }
         self.system.recycle(Some(tangent));
         Ok((correction, iterations))
+    }
+
+    /// Where moving obstacles reach points that carry nothing yet, their forces are in the residual but not in the factor: the guess would throw
+    /// the body away from them, beyond other obstacles even. It then comes from a tangent that knows them.
+    fn met(&mut self, loaded: &State, assembled: Assembled, tangent: Tangent) -> Result<(Assembled, Tangent), Cause> {
+        if !self.has_moving_obstacles || assembled.contact_points <= self.equilibrium.contact_points {
+            return Ok((assembled, tangent));
+        }
+        self.system.recycle(Some(tangent));
+        self.iterations += 1;
+        Ok(self.system.tangent(loaded)?)
     }
 
     /// The state after as much of a guess as is safe, and its share.

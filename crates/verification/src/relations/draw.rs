@@ -1,0 +1,535 @@
+//! A random small problem: a body with everything that a case or model file can say of it.
+//!
+//! Tables are written out key by key, without defaults: whoever adds a key to one of them has to say here what is drawn for it, in
+//! [`super::frame`] how it turns, is mirrored and scales, and in [`super::rewrite`] what becomes of it in a half. The compiler asks for it.
+
+use pneuflex::mesh::lattice::Lattice;
+use pneuflex::mesh::{Actuator, Channel, Facet, Mesh, Part};
+use pneuflex::model::model_file::{
+    CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Source,
+    Steps, SupportTable, Times, TractionTable,
+};
+use pneuflex::model::{
+    Case, Contact, ContactMethod, Formulation, Load, Material, MeshOptions, ObstacleTable, Output, Probe, Resolution,
+    Series, ShapeName, Size, Solver, Volumetric,
+};
+use pneuflex_laws::samples;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A problem, before it is written in one form or another.
+#[derive(Clone, Debug)]
+pub enum Draw {
+    /// A case file.
+    Case(Box<Case>),
+    /// A model file; with a mesh unless its body is an actuator.
+    Model(Box<Model>, Option<Body>),
+}
+
+/// A mesh and how it is solved.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The mesh, with sets `x0`, `x1`, … `z1` (outer faces), `outer`, `inner` (of a hole), `front` (elements), `tip` and `corner` (a node).
+    pub mesh: Mesh,
+    /// Its formulation.
+    pub formulation: Formulation,
+}
+
+/// Largest number of unknowns, about, of a quick draw and of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// The smallest bodies only.
+    Tiny,
+    /// Some hundreds of nodes.
+    Small,
+}
+
+/// Corrections of a drawn problem end below this, mm and N: relations are far closer than results have to be otherwise.
+const TOLERANCE: f64 = 1e-10;
+
+/// The random numbers of a draw.
+pub struct Dice(ChaCha8Rng);
+
+impl Dice {
+    /// Those of a draw of a seed.
+    pub fn of(seed: u64, number: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(number as u64);
+        Self(random)
+    }
+
+    /// A number between two.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        // Three digits: files and messages stay readable.
+        let number: f64 = self.0.random_range(low..high);
+        let digits = 10_f64.powf(2.0 - number.abs().max(1e-300).log10().floor());
+        (number * digits).round() / digits
+    }
+
+    /// Whether something with a probability happens.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.0.random_bool(probability)
+    }
+
+    /// One of some things.
+    pub fn one_of<T: Clone>(&mut self, things: &[T]) -> T {
+        things[self.0.random_range(0..things.len())].clone()
+    }
+
+    fn maybe<T>(&mut self, probability: f64, make: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        self.chance(probability).then(|| make(self))
+    }
+}
+
+impl Draw {
+    /// A random problem.
+    pub fn new(dice: &mut Dice, scale: Scale) -> Self {
+        match dice.0.random_range(0..10) {
+            0..2 => Self::Case(Box::new(case(dice, scale))),
+            2..4 => Self::Model(Box::new(actuator_model(dice, scale)), None),
+            _ => block_model(dice, scale),
+        }
+    }
+
+    /// In a word.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Case(_) => "case",
+            Self::Model(_, None) => "actuator",
+            Self::Model(_, Some(_)) => "block",
+        }
+    }
+}
+
+/// A material: every law and invariant that there is, of a softness and compressibility.
+fn material(dice: &mut Dice) -> Material {
+    let sample = dice.one_of(&samples());
+    let bulk_modulus = sample.shear_modulus() * dice.one_of(&[5.0, 50.0, 1844.0]);
+    let volumetric = dice.one_of(&[Volumetric::Quadratic, Volumetric::Logarithmic]);
+    let density = if dice.chance(0.5) { 1.1 } else { 0.0 };
+    Material { bulk_modulus, volumetric, density, ..sample }
+}
+
+/// A function of time that reaches a value, all of them ending at `end`.
+fn series(dice: &mut Dice, value: f64, end: f64) -> Series {
+    if dice.chance(0.6) {
+        return Series::End(value);
+    }
+    let middle = dice.between(0.2, 1.0);
+    Series::Points(vec![[0.0, 0.0], [0.5 * end, middle * value], [end, value]])
+}
+
+fn factor(dice: &mut Dice, end: f64) -> Option<Series> {
+    dice.maybe(0.3, |dice| series(dice, 1.0, end))
+}
+
+fn times(dice: &mut Dice) -> Vec<f64> {
+    let end = dice.one_of(&[1.0, 2.5, 20.0]);
+    if dice.chance(0.5) { vec![end] } else { vec![0.5 * end, end] }
+}
+
+fn steps(dice: &mut Dice, end: f64) -> Steps {
+    Steps {
+        tolerance: Some(TOLERANCE),
+        residual_tolerance: Some(TOLERANCE),
+        max_iterations: dice.maybe(0.3, |dice| dice.one_of(&[15, 40])),
+        first_step: dice.maybe(0.4, |dice| dice.one_of(&[0.2, 0.5]) * end),
+        max_step: dice.maybe(0.3, |dice| dice.one_of(&[0.3, 0.5]) * end),
+        min_step: dice.maybe(0.2, |_| 1e-4 * end),
+    }
+}
+
+fn actuator(dice: &mut Dice) -> Actuator {
+    let chambers = dice.one_of(&[1, 2]);
+    let cavity_length = dice.between(4.0, 7.0);
+    let has_channel = dice.chance(0.8);
+    Actuator {
+        chambers,
+        chamber_length: cavity_length + dice.between(1.5, 3.0),
+        cavity_length,
+        gap: dice.between(0.5, 2.5),
+        flange: dice.one_of(&[0.0, 2.0]),
+        width: dice.between(12.0, 20.0),
+        height: dice.between(9.0, 13.0),
+        base: dice.between(3.0, 4.5),
+        cavity_floor: dice.maybe(0.2, |dice| dice.between(4.6, 5.5)),
+        side_wall: dice.between(1.0, 2.0),
+        top_wall: dice.between(1.0, 2.0),
+        channel: Channel { half_width: if has_channel { 1.0 } else { 0.0 }, bottom: 1.0, top: 2.0 },
+        part: dice.one_of(&[Part::Half, Part::Half, Part::Whole]),
+    }
+}
+
+fn mesh_options(dice: &mut Dice, scale: Scale) -> MeshOptions {
+    let elements: &[Formulation] = match scale {
+        Scale::Tiny => &[Formulation::Hex8Sri, Formulation::Hex8Q1p0],
+        Scale::Small => &Formulation::ALL,
+    };
+    let element = dice.one_of(elements);
+    let size = if element.element.is_quadratic() { [6.0, 12.0, 12.0] } else { [3.0, 5.0, 4.0] };
+    MeshOptions {
+        resolution: dice.maybe(0.2, |_| Resolution::Draft),
+        size: Some(if dice.chance(0.5) { Size::PerAxis(size) } else { Size::Uniform(size[1]) }),
+        edge_size: None,
+        wall_elements: dice.maybe(0.3, |_| 1),
+        element: Some(element),
+    }
+}
+
+/// An obstacle below a body that reaches from `low` to `high`, hardly or not yet touched.
+fn obstacle(dice: &mut Dice, [low, high]: [[f64; 3]; 2], name: &str, faces: Option<String>) -> ObstacleTable {
+    let [length, height] = [high[0] - low[0], high[2] - low[2]];
+    let shape = dice.one_of(&[ShapeName::Plane, ShapeName::Sphere, ShapeName::Cylinder, ShapeName::Cuboid]);
+    let gap = dice.one_of(&[0.0, 0.02, 0.1]) * height;
+    let radius = dice.between(0.3, 0.8) * height;
+    let middle = 0.5 * (low[1] + high[1]);
+    let across = if low[1] == 0.0 { 0.0 } else { middle };
+    let along = low[0] + dice.between(0.5, 0.9) * length;
+    let centre = [along, across, low[2] - gap - radius];
+    let is_hollow = dice.chance(0.15);
+    let is = |shapes: &[ShapeName]| shapes.contains(&shape);
+    let is_tube = is_hollow && shape == ShapeName::Cylinder;
+    let around = (high[1] - across).hypot(0.5 * height) * 1.02;
+    ObstacleTable {
+        name: name.to_owned(),
+        shape,
+        faces,
+        point: is(&[ShapeName::Plane, ShapeName::Cylinder]).then_some(match shape {
+            ShapeName::Plane => [along, across, low[2] - gap],
+            _ if is_tube => [along, across, low[2] + 0.5 * height],
+            _ => centre,
+        }),
+        normal: is(&[ShapeName::Plane]).then(|| [dice.one_of(&[0.0, -0.05]), 0.0, 2.0]),
+        centre: is(&[ShapeName::Sphere, ShapeName::Cuboid]).then_some(centre),
+        axis: is(&[ShapeName::Cylinder]).then_some(if is_tube { [1.0, 0.0, 0.0] } else { [0.0, 2.0, 0.0] }),
+        radius: is(&[ShapeName::Sphere, ShapeName::Cylinder]).then_some(if is_tube { around } else { radius }),
+        hollow: is_tube.then_some(true),
+        size: is(&[ShapeName::Cuboid]).then_some([radius, 2.0 * radius, 2.0 * radius]),
+        edge_radius: is(&[ShapeName::Cuboid]).then_some(0.2 * radius),
+        stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
+        displacement: None,
+        factor: None,
+        report_force: dice.maybe(0.2, |dice| dice.chance(0.7)),
+    }
+}
+
+fn box_of(actuator: &Actuator) -> [[f64; 3]; 2] {
+    let half = 0.5 * actuator.width;
+    let low = if actuator.part == Part::Half { 0.0 } else { -half };
+    [[0.0, low, 0.0], [actuator.length(), half, actuator.height]]
+}
+
+fn probes(dice: &mut Dice, [low, high]: [[f64; 3]; 2]) -> Vec<Probe> {
+    let count = dice.one_of(&[0, 1, 2]);
+    // Nowhere halfway between two nodes, where rounding would choose one.
+    let at = |x: f64| std::array::from_fn(|d| low[d] + [x, 0.61, 0.13][d] * (high[d] - low[d]));
+    (0..count).map(|i| Probe { name: format!("probe {i}"), at: at(0.97 - 0.53 * f64::from(i)) }).collect()
+}
+
+fn case(dice: &mut Dice, scale: Scale) -> Case {
+    let actuator = actuator(dice);
+    let material = material(dice);
+    let last = 1e3 * material.shear_modulus() * dice.between(0.005, 0.03);
+    let method = dice.one_of(&[ContactMethod::MultiPoint, ContactMethod::SinglePoint, ContactMethod::None]);
+    let is_multi_point = method == ContactMethod::MultiPoint;
+    let stiffness = match dice.chance(0.5) {
+        true => Contact::of_actuator(&material, &actuator).stiffness,
+        false => dice.between(1.0, 5.0),
+    };
+    let extent = box_of(&actuator);
+    let count = dice.one_of(&[0, 0, 1]);
+    let faces = dice.one_of(&[None, Some("bottom".to_owned()), Some("outer".to_owned())]);
+    Case {
+        title: String::new(),
+        mesh: mesh_options(dice, scale),
+        material,
+        contact: Contact {
+            method,
+            stiffness,
+            two_pass: is_multi_point && dice.chance(0.3),
+            self_contact: is_multi_point && dice.chance(0.2),
+            penetration_tolerance: dice.maybe(0.1, |_| 0.01),
+        },
+        obstacles: (0..count).map(|i| obstacle(dice, extent, &format!("obstacle {i}"), faces.clone())).collect(),
+        load: Load { pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] } },
+        probes: probes(dice, extent),
+        solver: Solver {
+            tolerance: TOLERANCE,
+            residual_tolerance: TOLERANCE,
+            max_iterations: 30,
+            first_step: 0.3 * last,
+            max_step: last,
+            min_step: 1e-4 * last,
+        },
+        output: Output { fields: true },
+        actuator,
+    }
+}
+
+fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
+    let actuator = actuator(dice);
+    let material = material(dice);
+    let times = times(dice);
+    let end = times[times.len() - 1];
+    let stiffness = material.shear_modulus();
+    let extent = box_of(&actuator);
+    let layer = [[0.0, -99.0, 0.0], [999.0, 99.0, 0.4 * actuator.base]];
+    let solid = (actuator.length(), actuator.width * actuator.height);
+    let has_air = dice.chance(0.85);
+    let count = dice.one_of(&[0, 0, 1]);
+    let gap_contacts = Vec::new();
+    Model {
+        title: String::new(),
+        model: None,
+        mesh: mesh_options(dice, scale),
+        regions: dice
+            .maybe(0.25, |_| RegionTable {
+                name: "layer".into(),
+                elements: None,
+                within: Some(layer),
+                material: Material { density: material.density, ..Material::yeoh(1.0, 0.0, 0.0) },
+            })
+            .into_iter()
+            .collect(),
+        supports: Vec::new(),
+        equations: Vec::new(),
+        cavities: if has_air {
+            vec![cavity(dice, "cavity", stiffness, 0.3 * solid.0 * solid.1, end)]
+        } else {
+            Vec::new()
+        },
+        // Less than what buckles it: beyond, there is more than one equilibrium.
+        forces: forces(dice, "end_face", 0.1 * stiffness * solid.1, end),
+        tractions: tractions(dice, "end_face", stiffness, end),
+        pressures: pressures(dice, "bottom", stiffness, end),
+        gravity: gravity(dice, &material, end),
+        contacts: gap_contacts,
+        obstacles: (0..count)
+            .map(|i| {
+                let table = obstacle(dice, extent, &format!("obstacle {i}"), Some("bottom".into()));
+                moved(dice, table, 0.1 * actuator.height, end)
+            })
+            .collect(),
+        load: Some(Times { times }),
+        probes: probes(dice, extent),
+        solver: steps(dice, end),
+        output: Output { fields: true },
+        material: if dice.chance(0.8) { Some(material) } else { None },
+        actuator: Some(actuator),
+    }
+}
+
+/// An obstacle of a model file, which may move up by a length.
+fn moved(dice: &mut Dice, table: ObstacleTable, up: f64, end: f64) -> ObstacleTable {
+    if table.hollow == Some(true) || dice.chance(0.4) {
+        return table;
+    }
+    ObstacleTable { displacement: Some([0.0, 0.0, up]), factor: factor(dice, end), ..table }
+}
+
+fn cavity(dice: &mut Dice, faces: &str, shear_modulus: f64, volume: f64, end: f64) -> CavityTable {
+    let pressure = 1e3 * shear_modulus * dice.between(0.004, 0.02);
+    let pumped = volume * dice.between(0.002, 0.01);
+    let control = dice.one_of(&["pressure", "volume", "gas"]);
+    let amount = dice.between(1.02, 1.08);
+    let values = match control {
+        "gas" if dice.chance(0.5) => Series::End(amount),
+        "gas" => Series::Points(vec![[0.0, 1.0], [end, amount]]),
+        "volume" => series(dice, pumped, end),
+        _ => series(dice, pressure, end),
+    };
+    let of = |name: &str| (control == name).then(|| values.clone());
+    CavityTable {
+        name: "air".into(),
+        faces: faces.to_owned(),
+        pressure_kpa: of("pressure"),
+        volume_mm3: of("volume"),
+        gas: of("gas"),
+        atmosphere_kpa: dice.one_of(&[101.325, 50.0]),
+        exponent: dice.one_of(&[1.0, 1.4]),
+    }
+}
+
+fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTable> {
+    let table = |dice: &mut Dice| ForceTable {
+        nodes: nodes.to_owned(),
+        total: [dice.between(-0.02, 0.02), 0.0, dice.between(-0.004, 0.004)].map(|x| x * strength),
+        factor: factor(dice, end),
+    };
+    dice.maybe(0.35, table).into_iter().collect()
+}
+
+fn tractions(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<TractionTable> {
+    let table = |dice: &mut Dice| TractionTable {
+        faces: faces.to_owned(),
+        traction_mpa: [dice.between(-0.01, 0.01), 0.0, dice.between(-0.004, 0.004)].map(|x| x * shear_modulus),
+        factor: factor(dice, end),
+    };
+    dice.maybe(0.3, table).into_iter().collect()
+}
+
+fn pressures(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<PressureTable> {
+    let table = |dice: &mut Dice| {
+        let pressure = 1e3 * shear_modulus * dice.between(-0.01, 0.01);
+        PressureTable { faces: faces.to_owned(), pressure_kpa: series(dice, pressure, end) }
+    };
+    dice.maybe(0.25, table).into_iter().collect()
+}
+
+fn gravity(dice: &mut Dice, material: &Material, end: f64) -> Option<GravityTable> {
+    let probability = if material.density > 0.0 { 0.5 } else { 0.03 };
+    // A hundred times the earth's, to be felt.
+    dice.maybe(probability, |dice| GravityTable {
+        acceleration: [dice.one_of(&[0.0, 1e5]), 0.0, -9.81e5],
+        factor: factor(dice, end),
+    })
+}
+
+/// A block, with or without a hole, as a half or a whole.
+fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
+    let formulation = dice.one_of(&Formulation::ALL);
+    let is_half = dice.chance(0.6);
+    // A hole asks for three cells along every axis.
+    let has_hole = dice.chance(0.6) && (scale == Scale::Small || !formulation.element.is_quadratic());
+    let size = [dice.between(6.0, 12.0), dice.between(3.0, 5.0), dice.between(3.0, 6.0)];
+    let low = [0.0, if is_half { 0.0 } else { -size[1] }, 0.0];
+    let high = [size[0], size[1], size[2]];
+    let mut cells = if has_hole { [3, if is_half { 2 } else { 4 }, 3] } else { [3, 1, 1] };
+    if scale == Scale::Tiny && formulation.element.is_quadratic() {
+        cells = [2, 1, 1];
+    }
+    if scale == Scale::Small && !formulation.element.is_quadratic() {
+        cells = cells.map(|n| 2 * n);
+    }
+    if has_hole && formulation.element.is_quadratic() && !is_half {
+        cells[1] = 3;
+    }
+    let mesh = block(formulation, low, high, cells, has_hole, is_half);
+    let material = material(dice);
+    let (modulus, times) = (material.shear_modulus(), times(dice));
+    let end = times[times.len() - 1];
+    let area = (high[1] - low[1]) * size[2];
+    let mut supports = vec![support("x0", "xyz", false)];
+    if is_half {
+        let is_declared = dice.chance(0.85);
+        supports.push(support("y0", "y", is_declared));
+    }
+    if dice.chance(0.25) {
+        let displacement = [dice.between(-0.06, 0.06) * size[0], 0.0, dice.between(-0.05, 0.05) * size[2]];
+        let axes = dice.one_of(&["x", "xz", "z"]).to_owned();
+        let displacement = Some(displacement);
+        let factor = factor(dice, end);
+        supports.push(SupportTable { nodes: "x1".into(), axes, displacement, factor, symmetry: false });
+    }
+    let equation = |dice: &mut Dice| EquationTable {
+        terms: vec![("tip".into(), "z".into(), 1.0), ("corner".into(), "z".into(), dice.one_of(&[-1.0, -0.5, 2.0]))],
+        value: dice.maybe(0.3, |dice| series(dice, 0.02 * size[2], end)),
+    };
+    let is_on_lines = dice.chance(0.8);
+    let third = if is_on_lines { size[0] / cells[0].min(3) as f64 } else { 0.41 * size[0] };
+    let region = |dice: &mut Dice| {
+        let is_box = dice.chance(0.5);
+        RegionTable {
+            name: "stiff".into(),
+            elements: (!is_box).then(|| "front".to_owned()),
+            within: is_box.then_some([[-1.0, -99.0, -1.0], [third, 99.0, 99.0]]),
+            material: Material { density: material.density, ..Material::yeoh(1.5, 0.0, 0.0) },
+        }
+    };
+    let contact = |dice: &mut Dice| ContactTable {
+        slave: "inner".into(),
+        master: "inner".into(),
+        stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
+        two_pass: dice.chance(0.3),
+    };
+    let hole = size[0] * area / 27.0;
+    let count = dice.one_of(&[0, 0, 1, 1, 2]);
+    let model = Model {
+        title: String::new(),
+        model: Some(Source { file: String::new(), scale: 1.0 }),
+        actuator: None,
+        mesh: MeshOptions::default(),
+        regions: dice.maybe(0.3, region).into_iter().collect(),
+        supports,
+        equations: dice.maybe(0.15, equation).into_iter().collect(),
+        cavities: if has_hole && dice.chance(0.85) {
+            vec![cavity(dice, "inner", 5.0 * modulus, 5.0 * hole, end)]
+        } else {
+            Vec::new()
+        },
+        forces: {
+            let nodes = dice.one_of(&["x1", "x1", "tip"]);
+            forces(dice, nodes, modulus * area * if nodes == "tip" { 0.1 } else { 1.0 }, end)
+        },
+        tractions: tractions(dice, "z1", modulus, end),
+        pressures: pressures(dice, "z0", modulus, end),
+        gravity: gravity(dice, &material, end),
+        contacts: if has_hole { dice.maybe(0.2, contact).into_iter().collect() } else { Vec::new() },
+        obstacles: (0..count)
+            .map(|i| {
+                let table = obstacle(dice, [low, high], &format!("obstacle {i}"), Some("z0".into()));
+                moved(dice, table, 0.15 * size[2], end)
+            })
+            .collect(),
+        load: Some(Times { times }),
+        probes: probes(dice, [low, high]),
+        solver: steps(dice, end),
+        output: Output { fields: true },
+        material: Some(material),
+    };
+    Draw::Model(Box::new(model), Some(Body { mesh, formulation }))
+}
+
+fn support(nodes: &str, axes: &str, symmetry: bool) -> SupportTable {
+    SupportTable { nodes: nodes.into(), axes: axes.into(), displacement: None, factor: None, symmetry }
+}
+
+fn block(
+    formulation: Formulation,
+    low: [f64; 3],
+    high: [f64; 3],
+    cells: [usize; 3],
+    has_hole: bool,
+    is_half: bool,
+) -> Mesh {
+    let lattice = Lattice::uniform(low, high, cells);
+    let is_hole = |cell: [usize; 3]| {
+        has_hole
+            && (0..3).all(|d| {
+                let walls = (cells[d] / 3).max(1);
+                let first = if d == 1 && is_half { 0 } else { walls };
+                (first..cells[d] - walls).contains(&cell[d])
+            })
+    };
+    let mut mesh = lattice.mesh(formulation.element, |cell| !is_hole(cell)).mesh;
+    let sides = ["x0", "x1", "y0", "y1", "z0", "z1"];
+    let boundary = mesh.boundary_facets();
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let side_of = |mesh: &Mesh, facet: Facet| {
+        let nodes = mesh.facet_nodes(facet);
+        let lies = |d: usize, at: f64| nodes.iter().all(|&node| close(mesh.nodes[node as usize][d], at));
+        (0..6).find(|side| lies(side / 2, if side % 2 == 0 { low[side / 2] } else { high[side / 2] }))
+    };
+    for facet in boundary {
+        let side = side_of(&mesh, facet);
+        let name = side.map_or("inner", |side| sides[side]);
+        mesh.facet_sets.entry(name.into()).or_default().push(facet);
+        if side.is_some_and(|side| side != 0 && !(is_half && side == 2)) {
+            mesh.facet_sets.entry("outer".into()).or_default().push(facet);
+        }
+    }
+    let first_third = low[0] + (high[0] - low[0]) / 3.0_f64.min(cells[0] as f64);
+    let corners = mesh.kind.num_corners();
+    let in_front = |element: &u32| {
+        let nodes = &mesh.element(*element as usize)[..corners];
+        nodes.iter().map(|&node| mesh.nodes[node as usize][0]).sum::<f64>() / (corners as f64) < first_third
+    };
+    let front = (0..mesh.num_elements() as u32).filter(in_front).collect();
+    mesh.element_sets.insert("front".into(), front);
+    for (name, z) in [("tip", low[2]), ("corner", high[2])] {
+        let y = if is_half { 0.0 } else { high[1] };
+        let node = mesh.select_nodes(|x| close(x[0], high[0]) && close(x[1], y) && close(x[2], z));
+        mesh.node_sets.insert(name.into(), node);
+    }
+    mesh
+}

@@ -1,0 +1,80 @@
+//! `cargo xtask fuzz`: damaged inputs of every reader.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use pneuflex_verification::mutation::{Options, run as damage};
+use pneuflex_verification::relations::Files;
+
+use crate::program;
+
+/// Larger files take too long to be read thousands of times.
+const MOST_BYTES: usize = 60_000;
+
+pub fn run(arguments: &[String]) -> ExitCode {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut options = Options { inputs: 10_000, seed: 1, seeds: fixtures(&root.join("fixtures")) };
+    for pair in arguments.chunks(2) {
+        let number = pair.get(1).and_then(|text| text.parse::<u64>().ok());
+        match (pair[0].as_str(), number) {
+            ("--draws", Some(number)) => options.inputs = number.min(100_000_000) as usize,
+            ("--seed", Some(number)) => options.seed = number,
+            _ => {
+                eprintln!("fuzz: {} is no option with a whole number", pair[0]);
+                return ExitCode::from(2);
+            }
+        }
+    }
+    let folder = program::target_folder(&root).join("fuzz");
+    let found = std::sync::atomic::AtomicUsize::new(0);
+    let tallies = damage(&options, &|fault| {
+        found.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        println!("WRONG input {}: {}", fault.input, fault.why);
+        let folder = folder.join(fault.input.to_string());
+        let written = fs::create_dir_all(&folder)
+            .and_then(|()| fault.files.iter().try_for_each(|(name, bytes)| fs::write(folder.join(name), bytes)));
+        if let Err(error) = written {
+            eprintln!("{}: {error}", folder.display());
+        }
+    });
+    println!("{:20} {:>9} {:>9} {:>9}  longest", "damaged file", "inputs", "read", "refused");
+    for tally in &tallies {
+        let reader = &tally.reader;
+        println!("{reader:20} {:9} {:9} {:9}  {:.2} s", tally.tried, tally.read, tally.refused, tally.longest);
+    }
+    match found.into_inner() {
+        0 => ExitCode::SUCCESS,
+        wrong => {
+            println!("{wrong} inputs that a reader cannot bear are in {}", folder.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Cases, models with their bodies, decks and curves of the repository.
+fn fixtures(folder: &Path) -> Vec<Files> {
+    let mut found = Vec::new();
+    for folder in [folder.to_owned(), folder.join("models"), folder.join("decks"), folder.join("curves")] {
+        let Ok(entries) = fs::read_dir(&folder) else { continue };
+        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        paths.sort();
+        found.extend(paths.iter().filter_map(|path| files_of(path)));
+    }
+    found
+}
+
+/// A file, and the body beside it that a model names.
+fn files_of(path: &Path) -> Option<Files> {
+    let name = |path: &Path| Some(path.file_name()?.to_string_lossy().into_owned());
+    let is_input = path.extension().is_some_and(|end| ["toml", "inp", "csv"].iter().any(|known| end == *known));
+    let bytes = fs::read(path).ok().filter(|bytes| is_input && bytes.len() < MOST_BYTES)?;
+    let table = String::from_utf8_lossy(&bytes).parse::<toml::Table>().ok();
+    let body = table.as_ref().and_then(|table| table.get("model")?.get("file")?.as_str().map(PathBuf::from));
+    let mut files = vec![(name(path)?, bytes)];
+    if let Some(body) = body {
+        let bytes = fs::read(path.with_file_name(&body)).ok().filter(|bytes| bytes.len() < MOST_BYTES)?;
+        files.push((name(&body)?, bytes));
+    }
+    Some(files)
+}

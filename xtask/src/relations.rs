@@ -1,0 +1,94 @@
+//! `cargo xtask relations`: random problems, each written in two ways that must have one solution.
+
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use pneuflex_verification::relations::{Fault, Files, Options, Report, Scale, Tally, run as compare};
+
+use crate::program;
+
+pub fn run(arguments: &[String]) -> ExitCode {
+    let options = match parse(arguments) {
+        Ok(options) => options,
+        Err(message) => {
+            eprintln!("relations: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    let folder = program::target_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).join("relations");
+    let number = AtomicUsize::new(0);
+    let Report { relations: tallies, ends } = compare(&options, &|fault| {
+        let name = format!("{:03}", number.fetch_add(1, Ordering::Relaxed));
+        println!("BROKEN {name} {} (draw {}): {}", fault.relation, fault.draw, fault.why);
+        if let Err(error) = write(&folder.join(name), options.seed, fault) {
+            eprintln!("{}: {error}", folder.display());
+        }
+    });
+    println!("{}", table(&tallies, options.draws.len()));
+    for (why, count) in &ends {
+        println!("{count:5} drawn problems: {}", why.chars().take(150).collect::<String>());
+    }
+    let broken: usize = tallies.iter().map(|(_, tally)| tally.broken).sum();
+    if broken == 0 {
+        return ExitCode::SUCCESS;
+    }
+    println!("{broken} do not hold; the problems are in {}", folder.display());
+    ExitCode::FAILURE
+}
+
+fn parse(arguments: &[String]) -> Result<Options, String> {
+    let mut options = Options { draws: Vec::new(), seed: 1, scale: Scale::Small, only: String::new() };
+    let (mut count, mut first) = (100, 0);
+    let mut rest = arguments.iter();
+    while let Some(name) = rest.next() {
+        if name == "--quick" {
+            (count, options.scale) = (14, Scale::Tiny);
+            continue;
+        }
+        let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;
+        let number = || value.parse::<u64>().map_err(|_| format!("{name} {value}: expected a whole number"));
+        match name.as_str() {
+            "--draws" => count = number()?.clamp(1, 1_000_000) as usize,
+            "--from" => first = number()? as usize,
+            "--seed" => options.seed = number()?,
+            "--only" => options.only.clone_from(value),
+            _ => return Err(format!("unknown option {name}")),
+        }
+    }
+    options.draws = (first..first + count).collect();
+    Ok(options)
+}
+
+/// How often every relation held.
+fn table(tallies: &[(&str, Tally)], draws: usize) -> String {
+    let mut lines = vec![format!(
+        "{draws} draws\n{:30} {:>6} {:>6} {:>8} {:>8} {:>7} {:>7}  worst",
+        "relation", "tried", "held", "refused", "stopped", "warned", "broken"
+    )];
+    for (name, Tally { tried, held, refused, stopped, warned, broken, worst }) in tallies {
+        lines.push(format!("{name:30} {tried:6} {held:6} {refused:8} {stopped:8} {warned:7} {broken:7}  {worst:.1e}"));
+    }
+    lines.join("\n")
+}
+
+/// Writes the two problems of a fault, each with what is right in its first line.
+fn write(folder: &Path, seed: u64, fault: &Fault) -> std::io::Result<()> {
+    let Fault { relation, draw, why, files: [first, second] } = fault;
+    let right = format!("# Right: both have one solution ({relation}; seed {seed}, draw {draw}). Found: {why}\n");
+    for (name, files) in [("first", first), ("second", second)] {
+        let folder = folder.join(name);
+        fs::create_dir_all(&folder)?;
+        write_files(&folder, files, &right)?;
+    }
+    Ok(())
+}
+
+fn write_files(folder: &Path, files: &Files, right: &str) -> std::io::Result<()> {
+    for (name, bytes) in files {
+        let head = if name.ends_with(".toml") { right.replace(['\n', '\r'], " ") + "\n" } else { String::new() };
+        fs::write(folder.join(name), [head.as_bytes(), bytes].concat())?;
+    }
+    Ok(())
+}
