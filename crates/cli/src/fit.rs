@@ -113,7 +113,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     match &snippet {
         Some(snippet) => folder.write("material.toml", snippet)?,
         // One of an earlier fit would look like this one's.
-        None => folder.remove("material.toml"),
+        None => folder.remove("material.toml")?,
     }
     print(arguments, &files, &tests, &fits, &not_fitted, largest, snippet.as_deref());
     match snippet {

@@ -120,8 +120,11 @@ mod body_file;
 mod caution;
 pub mod checkpoint_file;
 pub mod convergence;
+#[cfg(test)]
+mod deaths;
 mod derived;
 pub mod diagnosis;
+mod disk;
 pub mod document;
 pub mod error;
 mod files;
