@@ -11,6 +11,7 @@ use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::Analysis;
+use crate::check_threads;
 use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
@@ -128,6 +129,7 @@ impl<'a> Run<'a> {
     /// [`Error::Results`] for results that could not be derived or recorded.
     pub fn solve(self) -> Result<Solution, Error> {
         let Some(threads) = self.threads else { return self.follow() };
+        check_threads(threads)?;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map_err(|source| Error::Threads { threads, source })?.install(|| self.follow())
     }
