@@ -89,7 +89,7 @@ impl CaseArguments {
 /// How cases are solved.
 #[derive(Debug, Args)]
 pub struct SolveArguments {
-    /// Number of threads [default: all]
+    /// Number of threads, at the most four times the cores [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Leave out everything about progress

@@ -6,8 +6,7 @@ mod report;
 pub mod snippet;
 
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use pneuflex::calibration::clean::{Cleaned, clean};
@@ -22,7 +21,7 @@ pub use report::significant;
 use report::{FileNote, FitFile, TestNote};
 
 use pneuflex::input_error::{Origin, Place};
-use pneuflex::{InputError, OutputFolder, json};
+use pneuflex::{InputError, OutputFolder, input_file, json};
 
 use crate::error::{CliError, say};
 use crate::outcome::Outcome;
@@ -113,7 +112,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     match &snippet {
         Some(snippet) => folder.write("material.toml", snippet)?,
         // One of an earlier fit would look like this one's.
-        None => folder.remove("material.toml"),
+        None => folder.remove("material.toml")?,
     }
     print(arguments, &files, &tests, &fits, &not_fitted, largest, snippet.as_deref());
     match snippet {
@@ -136,10 +135,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
 
 /// The text of a file, of which no more is read than may be.
 fn read(path: &Path) -> Result<String, CliError> {
-    let cannot = |e: io::Error| InputError::about_file(path, format!("cannot be read: {e}"));
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(cannot)?;
-    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    let bytes = input_file(path, MAX_BYTES as u64)?;
     let text = curve::decode(&bytes).map_err(|e| InputError::about_file(path, &e).with_help(e.help.clone()))?;
     Ok(text.into_owned())
 }

@@ -35,6 +35,7 @@ use args::{Arguments, Command};
 use outcome::{Outcome, exit_code};
 
 fn main() -> ExitCode {
+    interrupt::honour_nohup();
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use pneuflex::diagnosis::{Warning, WarningKind};
+use pneuflex::folder::REPORT;
 use pneuflex::report_page::write_report;
 use pneuflex::words::thousands;
-use pneuflex::{Analysis, Error, OutputFolder, Start, Study};
+use pneuflex::{Analysis, Error, OutputFolder, Start, Study, Unfinished};
 
 use crate::args::RunArguments;
 use crate::error::{CliError, say};
@@ -28,6 +29,10 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let start = if arguments.resume { folder.start(&analysis)? } else { Start::AtRest };
     let begin = match &start {
         Start::Complete(_) => {
+            // A run may have died before it had written its report.
+            if !arguments.no_report && !folder.path().join(REPORT).exists() {
+                report_or_warn(&folder, arguments.solve.quiet);
+            }
             say(&format!("{place}: the run is complete, nothing is left to do"));
             return Ok(Outcome::Converged);
         }
@@ -48,32 +53,34 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let run = analysis.run().stop(&interrupt::listen()).without_fields().record_in(folder.clone(), start);
     let result = run.observer(|event| progress.event(event)).solve();
     progress.finish();
-    let report = |progress: &Progress| {
+    let report = || {
         if !arguments.no_report {
-            report_or_warn(&folder, progress);
+            report_or_warn(&folder, arguments.solve.quiet);
         }
     };
     match result {
         Ok(solution) => {
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
-            report(&progress);
+            report();
             let spent = duration(solution.timing.total_s);
             progress.line(&format!("converged: {} iterations in {spent}; results in {place}", solution.iterations));
             Ok(Outcome::Converged)
         }
         // Said even when quiet: it is the reason for the exit code.
         Err(Error::Interrupted(ended)) => {
-            report(&progress);
+            report();
             let go_on = format!("what was computed so far is in {place}; the same command with --resume goes on");
             say(&format!("{ended}\n  {go_on}"));
             Ok(Outcome::Interrupted)
         }
-        Err(Error::NotConverged(ended) | Error::Setup(ended)) => {
+        Err(Error::Setup(ended)) => {
+            say(&format!("error: {ended}{}\n  nothing was solved; {place} is as it was", advice(&ended)));
+            Ok(Outcome::NotConverged)
+        }
+        Err(Error::NotConverged(ended)) => {
             say_warnings(&ended.reached.warnings, &analysis.warnings(&[]), &progress);
-            report(&progress);
-            let advice = ended.reason.as_ref().map(|reason| format!("\n  what to try: {}", reason.advice));
-            let advice = advice.unwrap_or_default();
-            say(&format!("error: {ended}{advice}\n  what was computed so far is in {place}"));
+            report();
+            say(&format!("error: {ended}{}\n  what was computed so far is in {place}", advice(&ended)));
             Ok(Outcome::NotConverged)
         }
         Err(error) => Err(error.into()),
@@ -113,10 +120,16 @@ fn say_warnings(warnings: &[Warning], said: &[Warning], progress: &Progress) {
     }
 }
 
+/// What to try against the end of a run, on a line of its own; nothing if there is no advice.
+fn advice(ended: &Unfinished) -> String {
+    ended.reason.as_ref().map_or_else(String::new, |reason| format!("\n  what to try: {}", reason.advice))
+}
+
 /// Writes the run's report; a report that cannot be written is no failure of the run.
-fn report_or_warn(folder: &OutputFolder, progress: &Progress) {
+fn report_or_warn(folder: &OutputFolder, is_quiet: bool) {
     match write_report(folder) {
-        Ok(path) => progress.line(&format!("report: {}", path.display())),
+        Ok(_) if is_quiet => {}
+        Ok(path) => say(&format!("report: {}", path.display())),
         Err(error) => say(&format!("warning: there is no report: {}", CliError::from(error).message())),
     }
 }

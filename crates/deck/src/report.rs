@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// So many errors are told at once; the rest is counted.
+/// So many different errors are told at once; the rest is counted.
 const MOST_ERRORS: usize = 30;
 
 /// So many characters of a deck's own text are repeated in a message.
@@ -50,17 +50,38 @@ impl fmt::Display for Note {
 /// Collects errors and notes while a deck is read.
 #[derive(Debug, Default)]
 pub struct Report {
-    errors: Vec<(Place, String)>,
+    errors: Said,
     unsaid: usize,
-    /// Text → first place and how often.
-    notes: BTreeMap<String, (Place, usize)>,
+    notes: Said,
+}
+
+/// Texts, each with its first place, its last one, and the number of its places.
+type Said = BTreeMap<String, (Place, Place, usize)>;
+
+/// The same text is said once.
+fn add(said: &mut Said, place: Place, text: String) {
+    let (first, last, count) = said.entry(text).or_insert((place, place, 1));
+    if place != *last {
+        *count += 1;
+    }
+    (*first, *last) = (place.min(*first), place);
+}
+
+/// First places and texts, with the number of places where it is not one, in their order.
+fn in_order(said: Said) -> Vec<(Place, String)> {
+    let mut found: Vec<(Place, String, usize)> =
+        said.into_iter().map(|(text, (first, _, count))| (first, text, count)).collect();
+    found.sort();
+    let words = |text: String, count| if count > 1 { format!("{text} ({count} times)") } else { text };
+    found.into_iter().map(|(place, text, count)| (place, words(text, count))).collect()
 }
 
 impl Report {
-    /// Something wrong; the deck will be refused.
+    /// Something wrong; the deck will be refused. The same text is said once, with the number of its places.
     pub fn error(&mut self, place: Place, text: impl Into<String>) {
-        if self.errors.len() < MOST_ERRORS {
-            self.errors.push((place, text.into()));
+        let text = text.into();
+        if self.errors.len() < MOST_ERRORS || self.errors.contains_key(&text) {
+            add(&mut self.errors, place, text);
         } else {
             self.unsaid += 1;
         }
@@ -68,9 +89,7 @@ impl Report {
 
     /// Something to know. The same text is said once, with the number of its places.
     pub fn note(&mut self, place: Place, text: impl Into<String>) {
-        let entry = self.notes.entry(text.into()).or_insert((place, 0));
-        entry.0 = entry.0.min(place);
-        entry.1 += 1;
+        add(&mut self.notes, place, text.into());
     }
 
     /// Whether the deck will be refused.
@@ -82,26 +101,18 @@ impl Report {
     ///
     /// # Errors
     /// The errors, the first of them and the number of the rest.
-    pub fn finish(mut self, files: &[String]) -> Result<Vec<Note>, Vec<DeckError>> {
+    pub fn finish(self, files: &[String]) -> Result<Vec<Note>, Vec<DeckError>> {
         let name = |place: Place| files.get(place.file as usize).cloned().unwrap_or_default();
-        if !self.errors.is_empty() {
-            self.errors.sort();
-            self.errors.dedup();
-            let unsaid = std::mem::take(&mut self.unsaid);
-            if let (Some((_, text)), true) = (self.errors.last_mut(), unsaid > 0) {
-                *text += &format!(" (and {unsaid} more errors)");
+        let mut errors = in_order(self.errors);
+        if !errors.is_empty() {
+            if let (Some((_, text)), true) = (errors.last_mut(), self.unsaid > 0) {
+                *text += &format!(" (and {} more errors)", self.unsaid);
             }
             let error = |(place, text): (Place, String)| DeckError { file: name(place), line: place.line, text };
-            return Err(self.errors.into_iter().map(error).collect());
+            return Err(errors.into_iter().map(error).collect());
         }
-        let mut notes: Vec<(Place, String, usize)> =
-            self.notes.into_iter().map(|(text, (place, count))| (place, text, count)).collect();
-        notes.sort();
-        let note = |(place, text, count): (Place, String, usize)| {
-            let text = if count > 1 { format!("{text} ({count} times)") } else { text };
-            Note { file: name(place), line: place.line, text }
-        };
-        Ok(notes.into_iter().map(note).collect())
+        let note = |(place, text): (Place, String)| Note { file: name(place), line: place.line, text };
+        Ok(in_order(self.notes).into_iter().map(note).collect())
     }
 }
 
@@ -138,12 +149,24 @@ mod tests {
     fn errors_come_in_the_order_of_their_places_and_the_rest_is_counted() {
         let mut report = Report::default();
         for line in (1..=MOST_ERRORS as u32 + 5).rev() {
-            report.error(Place { file: 0, line }, "bad");
+            report.error(Place { file: 0, line }, format!("bad {line}"));
         }
         let errors = report.finish(&["a.inp".into()]).unwrap_err();
         assert_eq!(errors.len(), MOST_ERRORS);
-        assert_eq!(errors[0].to_string(), "a.inp:6: bad");
+        assert_eq!(errors[0].to_string(), "a.inp:6: bad 6");
         assert!(errors[MOST_ERRORS - 1].text.ends_with("(and 5 more errors)"));
+    }
+
+    #[test]
+    fn equal_errors_are_said_once_with_their_number() {
+        let mut report = Report::default();
+        for line in [9, 4, 4, 1000] {
+            report.error(Place { file: 0, line }, "not a number");
+        }
+        (0..100).for_each(|line| report.error(Place { file: 0, line: 5 }, format!("bad {}", line / 50)));
+        let errors = report.finish(&["a.inp".into()]).unwrap_err();
+        let said: Vec<_> = errors.iter().map(ToString::to_string).collect();
+        assert_eq!(said, ["a.inp:4: not a number (3 times)", "a.inp:5: bad 0", "a.inp:5: bad 1"]);
     }
 
     #[test]

@@ -48,6 +48,12 @@ pub enum FactorError {
         /// The pivot itself.
         pivot: f64,
     },
+    /// The system does not give the memory that the factor needs.
+    #[error("not enough memory: the factor of the tangent needs another {:.1} GiB", *.bytes as f64 / 1_073_741_824.0)]
+    OutOfMemory {
+        /// Bytes asked for.
+        bytes: usize,
+    },
     /// A solve was asked for before any factorisation succeeded.
     #[error("no factorisation is available: factorize first")]
     NotFactorized,

@@ -63,7 +63,7 @@ impl<const B: usize> Factor<B> {
         self.method = None;
         check_length("values", self.symbolic.num_blocks * B * B, values.len())?;
         check_length("held", self.symbolic.num_unknowns(), held.len())?;
-        self.reserve(parallelism);
+        self.reserve(parallelism)?;
         let mut compute =
             |method| self.compute(Input { values, held, method }).map(|negative| Inertia { negative, method });
         let outcome = compute(Method::Cholesky).or_else(|_| compute(Method::Ldl));
@@ -81,7 +81,7 @@ impl<const B: usize> Factor<B> {
     }
 
     /// Makes plan and buffers fit the number of threads.
-    fn reserve(&mut self, parallelism: Parallelism) {
+    fn reserve(&mut self, parallelism: Parallelism) -> Result<(), FactorError> {
         self.parallelism = parallelism;
         let threads = match parallelism {
             Parallelism::Serial => 1,
@@ -93,14 +93,15 @@ impl<const B: usize> Factor<B> {
                 _ => Plan::parallel(&self.symbolic, threads),
             };
         }
-        grow(&mut self.panels, self.symbolic.panel_len());
-        grow(&mut self.slots, self.plan.slots_len());
+        grow(&mut self.panels, self.symbolic.panel_len())?;
+        grow(&mut self.slots, self.plan.slots_len())?;
         let stacks_len = self.plan.stacks_len();
         let concurrent = threads.min(self.plan.tasks.len());
         self.stacks.resize_with(concurrent.max(self.stacks.len()), Vec::new);
         for stack in &mut self.stacks[..concurrent] {
-            grow(stack, stacks_len);
+            grow(stack, stacks_len)?;
         }
+        Ok(())
     }
 
     /// Runs all tasks of the plan. Returns the number of negative pivots.
@@ -141,12 +142,20 @@ impl<const B: usize> Factor<B> {
 }
 
 /// Lengthens a buffer without copying what it held, some more than asked if it is not the first time.
-fn grow(buffer: &mut Vec<f64>, len: usize) {
+///
+/// # Errors
+/// [`FactorError::OutOfMemory`].
+fn grow(buffer: &mut Vec<f64>, len: usize) -> Result<(), FactorError> {
     if buffer.len() < len {
         let reserve = if buffer.is_empty() { 0 } else { len / 8 };
+        let len = len + reserve;
         *buffer = Vec::new();
-        *buffer = vec![0.0; len + reserve];
+        // Asked for first, because a vector of zeros ends the program where there is no memory; what is not touched costs nothing.
+        let asked = Vec::<f64>::new().try_reserve_exact(len);
+        asked.map_err(|_| FactorError::OutOfMemory { bytes: len.saturating_mul(size_of::<f64>()) })?;
+        *buffer = vec![0.0; len];
     }
+    Ok(())
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -317,5 +326,19 @@ impl<const B: usize> Run<'_, B> {
             },
             Workers::Pool,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_that_is_not_there_is_an_error() {
+        let mut buffer = vec![1.0; 4];
+        assert!(grow(&mut buffer, 3).is_ok() && buffer == [1.0; 4]);
+        assert!(grow(&mut buffer, 8).is_ok() && buffer == [0.0; 9]);
+        let found = grow(&mut buffer, usize::MAX / 32);
+        assert!(matches!(found, Err(FactorError::OutOfMemory { .. })), "{found:?}");
     }
 }

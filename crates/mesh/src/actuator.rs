@@ -111,11 +111,18 @@ pub struct GeometryError {
     pub allowed: String,
 }
 
+/// The shortest and the longest length of a body and of what is around it, mm: no actuator is smaller or larger.
+pub const LENGTHS: [f64; 2] = [1e-6, 1e6];
+
 /// What is wrong with a length that must lie between two others.
 fn out_of_range(key: &'static str, value: f64, low: f64, high: f64, strict_low: bool) -> Option<GeometryError> {
     let is_above = if strict_low { value > low } else { value >= low };
     if value.is_finite() && is_above && value < high {
-        return None;
+        let [shortest, longest] = LENGTHS;
+        if value == 0.0 || (shortest..=longest).contains(&value) {
+            return None;
+        }
+        return Some(GeometryError { key, value, allowed: format!("must be from {shortest:e} to {longest:e} mm") });
     }
     let relation = if strict_low { "greater than" } else { "at least" };
     let mut allowed = format!("must be {relation} {low}");

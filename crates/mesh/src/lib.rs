@@ -32,7 +32,7 @@ pub mod shape;
 mod shares;
 mod volume_within;
 
-pub use actuator::{Actuator, Channel, Cuts, GeometryError, Part, build_actuator, build_actuator_with};
+pub use actuator::{Actuator, Channel, Cuts, GeometryError, LENGTHS, Part, build_actuator, build_actuator_with};
 pub use element::ElementKind;
 pub use face::{FaceKind, Outline};
 pub use family::ReferenceBody;

@@ -7,7 +7,7 @@ use crate::material::Material;
 use crate::number::rounded;
 use crate::obstacle_table::{self, ObstacleTable};
 use crate::options::{self, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
-use crate::range_check::{CaseError, Problems};
+use crate::range_check::{CaseError, Problems, Quantity};
 
 /// A whole case file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,9 +59,9 @@ impl Case {
         let mut found = Problems(self.actuator.problems().into_iter().map(CaseError::from).collect());
         self.mesh.check(&mut found);
         found.0.extend(self.material.problems("material"));
-        found.unless_positive("contact.stiffness", self.contact.stiffness, " N/mm3");
+        found.unless_positive("contact.stiffness", self.contact.stiffness, Quantity::Stiffness);
         if let Some(tolerance) = self.contact.penetration_tolerance {
-            found.unless_positive("contact.penetration_tolerance", tolerance, " mm");
+            found.unless_positive("contact.penetration_tolerance", tolerance, Quantity::Tolerance);
         }
         let is_single = self.contact.method == ContactMethod::SinglePoint;
         for (key, is_asked) in
@@ -90,9 +90,10 @@ impl Case {
     fn check_load_and_probes(&self, found: &mut Problems) {
         let pressures = &self.load.pressure_kpa;
         let increasing = pressures.windows(2).all(|w| w[0] < w[1]);
-        if pressures.is_empty() || !pressures.iter().all(|p| p.is_finite() && *p > 0.0) || !increasing {
+        let [least, most] = Quantity::Pressure.range();
+        if pressures.is_empty() || !pressures.iter().all(|p| (least..=most).contains(p)) || !increasing {
             let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
-            found.add("load.pressure_kpa", pressures, allowed);
+            found.add("load.pressure_kpa", pressures, &format!("{allowed}, from {least:e} to {most:e}"));
         }
         options::check_probes(&self.probes, found);
     }
@@ -196,6 +197,10 @@ impl From<Written> for Case {
 fn default_min_step(load: &Load, max_step_kpa: f64) -> f64 {
     let last = load.pressure_kpa.iter().copied().fold(0.0, f64::max);
     let default = Solver::default().min_step;
-    let small = if last > 0.0 && last.is_finite() { rounded(last / 5000.0).min(default) } else { default };
+    let small = if last > 0.0 && last.is_finite() {
+        rounded(last / 5000.0).max(Quantity::Pressure.range()[0]).min(default)
+    } else {
+        default
+    };
     if max_step_kpa > 0.0 { small.min(max_step_kpa) } else { small }
 }

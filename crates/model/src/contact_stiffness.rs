@@ -5,6 +5,7 @@ use pneuflex_mesh::{Actuator, Facet, Mesh};
 use crate::material::Material;
 use crate::number::rounded;
 use crate::options::Contact;
+use crate::range_check::Quantity;
 
 /// Faces of bodies of any shape: this many times the shear modulus over the faces' size.
 const OF_FACES: f64 = 10.0;
@@ -21,7 +22,9 @@ impl Contact {
 /// depend on the mesh, and is the same for a half and the whole.
 pub(crate) fn of_actuator(shear_modulus: f64, actuator: &Actuator) -> f64 {
     let (paper, wall) = (Contact::default().stiffness, actuator.thinnest_wall());
-    if !(shear_modulus > 0.0 && shear_modulus.is_finite() && wall > 0.0) {
+    let is_one = |quantity: Quantity, value| (quantity.range()[0]..=quantity.range()[1]).contains(&value);
+    // What is out of range itself is complained about by itself.
+    if !(is_one(Quantity::Stress, 0.5 * shear_modulus) && is_one(Quantity::Length, wall)) {
         return paper;
     }
     let half = 0.5 * Material::default().shear_modulus();

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::range_check::Problems;
+use crate::range_check::{Problems, Quantity};
 
 /// Energy of a change of shape per reference volume. Bars mark the isochoric part J^(−1/3) F of the deformation gradient.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,15 +131,15 @@ impl Law {
         let constants = self.constants();
         for (name, value) in &constants {
             if matches!((self, *name), (Self::Yeoh { .. } | Self::NeoHooke { .. }, "c10")) {
-                found.unless_positive(&key(name), *value, " MPa");
-            } else if !value.is_finite() {
-                found.add(&key(name), value, "must be a finite number, MPa");
+                found.unless_positive(&key(name), *value, Quantity::Stress);
+            } else {
+                found.unless_finite(&key(name), &[*value], "a finite number", Quantity::Stress);
             }
         }
         if let Self::Polynomial { c10, c01, .. } = self
-            && c10.is_finite()
-            && c01.is_finite()
-            && !(c10 + c01 > 0.0 && self.shear_modulus().is_finite())
+            && Quantity::Stress.allows(*c10)
+            && Quantity::Stress.allows(*c01)
+            && !is_modulus(self.shear_modulus())
         {
             let allowed = format!("c10 + c01 must be greater than 0 MPa: half the shear modulus at rest; c01 = {c01}");
             found.add(&key("c10"), c10, &allowed);
@@ -162,14 +162,20 @@ impl Law {
     }
 }
 
+/// Whether a shear modulus at rest is one of a material, MPa.
+fn is_modulus(shear_modulus: f64) -> bool {
+    let [least, most] = Quantity::Stress.range();
+    (least..=2.0 * most).contains(&shear_modulus)
+}
+
 fn check_ogden(terms: &[OgdenTerm], key: &impl Fn(&str) -> String, found: &mut Problems) {
     let (mu, alpha): (Vec<f64>, Vec<f64>) = terms.iter().map(|term| (term.mu, term.alpha)).unzip();
     if terms.is_empty() || terms.len() > 3 {
         found.add(&key("mu"), &mu, "must be a list of 1 to 3 numbers, MPa");
     }
     let shear_modulus: f64 = mu.iter().sum();
-    let is_stiff = shear_modulus.is_finite() && shear_modulus > 0.0;
-    if !(mu.is_empty() || is_stiff) {
+    let are_stresses = mu.iter().all(|&mu| Quantity::Stress.allows(mu));
+    if !(mu.is_empty() || (are_stresses && is_modulus(shear_modulus))) {
         let allowed =
             "must be as many finite numbers as alpha has, and their sum, the shear modulus at rest, greater than 0 MPa";
         found.add(&key("mu"), &mu, allowed);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::{ConstantError, Invariant, Law, PAPER, Table, Volumetric};
 use crate::number::rounded;
-use crate::range_check::{CaseError, Problems};
+use crate::range_check::{CaseError, Problems, Quantity};
 
 /// A hyperelastic material; moduli in MPa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,13 +84,18 @@ impl Material {
         let mut found = Problems::default();
         let key = |name: &str| format!("{table}.{name}");
         self.law.check(&key, &mut found);
-        found.unless_positive(&key("bulk_modulus"), self.bulk_modulus, " MPa");
+        found.unless_positive(&key("bulk_modulus"), self.bulk_modulus, Quantity::Stress);
         if self.invariant == Invariant::Full && self.law.reduced_polynomial().is_none() {
             let allowed = format!("must be \"isochoric\" where {} = \"{}\"", key("law"), self.law.name());
             found.add(&key("invariant"), &"full", &allowed);
         }
-        if !(self.density.is_finite() && self.density >= 0.0) {
-            found.add(&key("density"), &self.density, "must be a finite number, 0 or greater, g/cm3");
+        if !(self.density >= 0.0 && Quantity::Density.allows(self.density)) {
+            let most = Quantity::Density.range()[1];
+            found.add(
+                &key("density"),
+                &self.density,
+                &format!("must be a finite number, 0 or greater, g/cm3, up to {most:e}"),
+            );
         }
         found.0
     }
@@ -101,7 +106,8 @@ impl Material {
 fn default_bulk_modulus(shear_modulus: f64) -> f64 {
     let half = 0.5 * shear_modulus;
     // What is out of range itself is complained about by itself.
-    if half > 0.0 && half.is_finite() { rounded(1000.0 * half / PAPER[0]) } else { 1000.0 }
+    let [least, most] = Quantity::Stress.range();
+    if (least..=most).contains(&half) { rounded(1000.0 * half / PAPER[0]).min(most) } else { 1000.0 }
 }
 
 #[cfg(test)]

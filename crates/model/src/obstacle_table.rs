@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
 use crate::options::check_names;
-use crate::range_check::{CaseError, Problems};
+use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
 /// A rigid body in the way. Which of the optional keys are needed depends on the shape.
@@ -155,9 +155,7 @@ fn check_keys(i: usize, table: &ObstacleTable, found: &mut Problems) {
 fn check_values(i: usize, table: &ObstacleTable, found: &mut Problems) {
     let key = |name: &str| format!("obstacle[{i}].{name}");
     for (name, value) in [("point", table.point), ("centre", table.centre), ("displacement", table.displacement)] {
-        if let Some(value) = value.filter(|value| !value.iter().all(|x| x.is_finite())) {
-            found.add(&key(name), &value, "must be three finite numbers, mm");
-        }
+        found.unless_finite(&key(name), &value.unwrap_or_default(), "three finite numbers", Quantity::Length);
     }
     for (name, value) in [("normal", table.normal), ("axis", table.axis)] {
         let has_length = |v: &[f64; 3]| {
@@ -168,14 +166,18 @@ fn check_values(i: usize, table: &ObstacleTable, found: &mut Problems) {
             found.add(&key(name), &value, "must be three finite numbers that are not all 0");
         }
     }
-    for (name, value, unit) in [("radius", table.radius, " mm"), ("stiffness", table.stiffness, " N/mm3")] {
+    for (name, value, quantity) in
+        [("radius", table.radius, Quantity::Length), ("stiffness", table.stiffness, Quantity::Stiffness)]
+    {
         if let Some(value) = value {
-            found.unless_positive(&key(name), value, unit);
+            found.unless_positive(&key(name), value, quantity);
         }
     }
     let Some(size) = table.size else { return };
-    if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
-        found.add(&key("size"), &size, "must be three finite numbers greater than 0, mm");
+    let [least, longest] = Quantity::Length.range();
+    if !size.iter().all(|s| (least..=longest).contains(s)) {
+        let allowed = format!("must be three finite numbers greater than 0, from {least:e} to {longest:e} mm");
+        found.add(&key("size"), &size, &allowed);
     }
     let most = 0.5 * size.into_iter().fold(f64::INFINITY, f64::min);
     if let Some(radius) = table.edge_radius.filter(|radius| !(0.0..most).contains(radius)) {

@@ -9,7 +9,7 @@ use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::formulation::Formulation;
-use crate::range_check::{CaseError, Problems};
+use crate::range_check::{CaseError, Problems, Quantity};
 
 /// Mesh size and element formulation. A resolution sets all of them; keys given beside it win.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -250,11 +250,12 @@ impl MeshOptions {
     pub(crate) fn check(&self, found: &mut Problems) {
         // One of them is out of range if any is; a NaN is the largest or the smallest of all.
         let sizes: Vec<f64> = self.size.iter().flat_map(|size| size.per_axis()).collect();
-        if let Some(bad) = sizes.into_iter().find(|h| !(h.is_finite() && *h > 0.0)) {
-            found.unless_positive("mesh.size", bad, " mm");
+        let [least, longest] = Quantity::Length.range();
+        if let Some(bad) = sizes.into_iter().find(|h| !(least..=longest).contains(h)) {
+            found.unless_positive("mesh.size", bad, Quantity::Length);
         }
         if let Some(edge) = self.edge_size {
-            found.unless_positive("mesh.edge_size", edge, " mm");
+            found.unless_positive("mesh.edge_size", edge, Quantity::Length);
         }
         if let Some(n) = self.wall_elements.filter(|n| !(1..=1000).contains(n)) {
             found.add("mesh.wall_elements", &n, "must be from 1 to 1000");
@@ -291,8 +292,8 @@ pub(crate) fn check_names<'a>(what: &str, names: impl IntoIterator<Item = &'a St
 
 pub(crate) fn check_probes(probes: &[Probe], found: &mut Problems) {
     check_names("probe", probes.iter().map(|probe| &probe.name), found);
-    for (i, probe) in probes.iter().enumerate().filter(|(_, probe)| !probe.at.iter().all(|x| x.is_finite())) {
-        found.add(&format!("probe[{i}].at"), &probe.at, "must be three finite coordinates, mm");
+    for (i, probe) in probes.iter().enumerate() {
+        found.unless_finite(&format!("probe[{i}].at"), &probe.at, "three finite coordinates", Quantity::Length);
     }
 }
 
@@ -312,11 +313,11 @@ impl Resolution {
 
 impl Solver {
     pub(crate) fn check(&self, found: &mut Problems) {
-        found.unless_positive("solver.tolerance", self.tolerance, " (mm, N)");
-        found.unless_positive("solver.residual_tolerance", self.residual_tolerance, "");
-        found.unless_positive("solver.first_step_kpa", self.first_step, " kPa");
-        found.unless_positive("solver.min_step_kpa", self.min_step, " kPa");
-        found.unless_positive("solver.max_step_kpa", self.max_step, " kPa");
+        found.unless_positive("solver.tolerance", self.tolerance, Quantity::Tolerance);
+        found.unless_positive("solver.residual_tolerance", self.residual_tolerance, Quantity::Tolerance);
+        found.unless_positive("solver.first_step_kpa", self.first_step, Quantity::Pressure);
+        found.unless_positive("solver.min_step_kpa", self.min_step, Quantity::Pressure);
+        found.unless_positive("solver.max_step_kpa", self.max_step, Quantity::Pressure);
         if self.max_step < self.min_step {
             found.add("solver.max_step_kpa", &self.max_step, "must not be below solver.min_step_kpa");
         }

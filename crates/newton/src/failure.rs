@@ -65,9 +65,12 @@ pub enum Cause {
     /// The path cannot go on from its checkpoint.
     #[error(transparent)]
     Resume(#[from] ResumeError),
+    /// There is not enough memory for the tangent's factor.
+    #[error("{0}")]
+    OutOfMemory(FactorError),
     /// The tangent cannot be factorised.
     #[error("the tangent is singular: {0}")]
-    SingularTangent(#[from] FactorError),
+    SingularTangent(FactorError),
     /// The unsymmetric part of the tangent is too much for its factor.
     #[error(transparent)]
     Unsymmetric(#[from] gmres::NotConverged),
@@ -101,6 +104,15 @@ impl From<AssembleError> for Cause {
             AssembleError::Factor(factor) => factor.into(),
             AssembleError::Unsymmetric(unsymmetric) => unsymmetric.into(),
             AssembleError::Contradiction => Self::Contradiction,
+        }
+    }
+}
+
+impl From<FactorError> for Cause {
+    fn from(error: FactorError) -> Self {
+        match error {
+            FactorError::OutOfMemory { .. } => Self::OutOfMemory(error),
+            _ => Self::SingularTangent(error),
         }
     }
 }

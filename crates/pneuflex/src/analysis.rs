@@ -111,7 +111,7 @@ impl Analysis {
         let (mut title, mut files, mut schedule) = (model.title.clone(), Files::default(), None);
         let (body, warning) = match (&model.model, &model.actuator) {
             (Some(source), _) => {
-                let body = path.parent().unwrap_or(Path::new("")).join(&source.file);
+                let body = store.beside(path, &source.file);
                 let read = read_body(store, &body, source)?;
                 let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))?;
                 notes.extend(read.notes);

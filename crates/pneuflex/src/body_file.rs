@@ -7,6 +7,7 @@ use pneuflex_model::model_file::Source;
 use pneuflex_model::{Formulation, Problem};
 
 use crate::files::{Files, INCLUDED, included_name};
+use crate::foreign::{not_a_body, pointer};
 use crate::input_error::InputError;
 use crate::recorded_mesh::RecordedMesh;
 use crate::store::Store;
@@ -40,6 +41,9 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
 /// A file that cannot be read, or everything that is wrong with it.
 pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody, Vec<InputError>> {
     let bytes = store.bytes(path).map_err(|why| InputError::about_file(path, why))?;
+    if let Some(error) = pointer(path, &bytes) {
+        return Err(error.into());
+    }
     let shown = path.display().to_string();
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut files = Files { name, bytes: bytes.clone(), included: Vec::new() };
@@ -51,18 +55,30 @@ pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let copies = copies(store, folder);
+        let mut outside = Vec::new();
         let mut include = |name: &str| {
             let copy = copies.iter().position(|known| known == name).map(included_name);
-            let bytes = store.bytes(&folder.join(copy.unwrap_or_else(|| name.to_owned())))?;
-            files.included.push((name.to_owned(), bytes.clone()));
+            let file = folder.join(copy.unwrap_or_else(|| name.to_owned()));
+            if !store.is_within(folder, &file) {
+                outside
+                    .push(format!("{shown}: {} is included, which lies outside of the deck's folder", file.display()));
+            }
+            let bytes = store.bytes(&file)?;
+            if let Some(error) = pointer(&file, &bytes) {
+                return Err(error.help().map_or_else(|| error.to_string(), |help| format!("{error}; {help}")));
+            }
+            if files.included.iter().all(|(known, _)| known != name) {
+                files.included.push((name.to_owned(), bytes.clone()));
+            }
             Ok(bytes)
         };
         let deck = pneuflex_deck::read(&shown, bytes, &mut include).map_err(wrong)?;
+        outside.extend(deck.notes.iter().map(ToString::to_string));
         return Ok(ReadBody {
             title: deck.title,
             problem: deck.problem,
             schedule: Some((deck.schedule.times, deck.schedule.first_increment)),
-            notes: deck.notes.iter().map(ToString::to_string).collect(),
+            notes: outside,
             files,
         });
     }
@@ -76,8 +92,7 @@ pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody
         let (mesh, formulation) = RecordedMesh::read(&bytes).map_err(|why| InputError::about_file(path, why))?;
         (mesh, formulation, Vec::new())
     } else {
-        let help = "decks end in .inp, meshes of Gmsh in .msh".to_owned();
-        return Err(InputError::about_file(path, "is neither a deck nor a mesh").with_help(Some(help)).into());
+        return Err(not_a_body(path, &bytes).into());
     };
     let mesh = mesh.map_nodes(|x| x.map(|t| source.scale * t));
     let problem = Problem::body(mesh, formulation, Default::default());

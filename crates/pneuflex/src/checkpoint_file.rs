@@ -1,4 +1,4 @@
-//! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack).
+//! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack behind a checksum).
 
 use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_newton::Checkpoint;
@@ -16,6 +16,9 @@ use crate::on_the_way::OnTheWay;
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
+
+/// First bytes of the file; the checksum of all that follows it comes next.
+const MAGIC: &[u8; 8] = b"pneuflex";
 
 /// What the output folder held when the checkpoint was written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,7 +69,25 @@ struct Loaded {
 /// The file cannot be written.
 pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> Result<(), ResultsError> {
     let stored = Stored { version: env!("CARGO_PKG_VERSION"), format: FORMAT, recorded, path };
-    folder.write(FILE, rmp_serde::to_vec_named(&stored).map_err(|e| ResultsError::not_representable(FILE, e))?)
+    let bytes = rmp_serde::to_vec_named(&stored).map_err(|e| ResultsError::not_representable(FILE, e))?;
+    folder.write(FILE, sealed(&bytes))
+}
+
+/// Bytes behind their checksum.
+fn sealed(bytes: &[u8]) -> Vec<u8> {
+    [&MAGIC[..], &checksum(bytes).to_le_bytes(), bytes].concat()
+}
+
+/// The bytes behind the checksum, unless one of them or of the checksum is not what was written.
+fn unsealed(bytes: &[u8]) -> Option<&[u8]> {
+    let (found, bytes) = bytes.strip_prefix(MAGIC)?.split_first_chunk()?;
+    (u64::from_le_bytes(*found) == checksum(bytes)).then_some(bytes)
+}
+
+/// The hash FNV-1a of 64 bits. Every step is a bijection of the hash, so that no single byte can change unnoticed.
+fn checksum(bytes: &[u8]) -> u64 {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 impl OutputFolder {
@@ -85,7 +106,15 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
             .of_kind(InputErrorKind::OtherResults)
             .with_help(Some("start over; that replaces what is there".into()))
     };
-    let Some(text) = folder.read("case.toml") else { return Ok(Start::AtRest) };
+    let (reached, is_complete) = reached(folder).map_err(again)?;
+    let has_checkpoint = folder.path().join(FILE).exists();
+    // Of a run that died before its first load step nothing is lost, whatever else has changed since.
+    if folder.is_beginning() || (reached.is_empty() && !has_checkpoint) {
+        return Ok(Start::AtRest);
+    }
+    let Some(text) = folder.read("case.toml") else {
+        return Err(again("there are results, but case.toml is missing or cannot be read".into()));
+    };
     let unreadable = || again("case.toml cannot be read: it is damaged, or another version's".into());
     let old: toml::Table = std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
     let new: toml::Table = analysis.resolved().ok().and_then(|text| text.parse().ok()).ok_or_else(unreadable)?;
@@ -93,8 +122,8 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if let Some(files) = analysis.files()? {
         changes.extend(changed_files(folder, &files));
     }
-    let reached = reached(folder).map_err(again)?;
-    if changes.is_empty() && reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied()) {
+    let has_all = reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied());
+    if changes.is_empty() && has_all && is_complete {
         return Ok(Start::Complete(reached));
     }
     let old_requested = requested_by(&old);
@@ -103,13 +132,10 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
         return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
     }
     let Some(bytes) = folder.read(FILE) else {
-        if folder.path().join(FILE).exists() || !reached.is_empty() {
-            return Err(again(format!("there are results, but {FILE} is missing or cannot be read")));
-        }
-        return Ok(Start::AtRest);
+        return Err(again(format!("there are results, but {FILE} is missing or cannot be read")));
     };
-    let loaded: Loaded =
-        rmp_serde::from_slice(&bytes).map_err(|_| again(format!("{FILE} is damaged, or another version's")))?;
+    let damaged = || again(format!("{FILE} is damaged, or another version's"));
+    let loaded: Loaded = unsealed(&bytes).and_then(|bytes| rmp_serde::from_slice(bytes).ok()).ok_or_else(damaged)?;
     if loaded.format != FORMAT {
         return Err(again(format!("{FILE} has the format {} instead of {FORMAT}", loaded.format)));
     }
@@ -154,18 +180,20 @@ fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String
     (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
 }
 
-/// What `summary.json` says of the times that were reached, or why its numbers mean something else.
-fn reached(folder: &OutputFolder) -> Result<Vec<StepSummary>, String> {
+/// What `summary.json` says of the times that were reached, and whether the run came to its end, or why its numbers mean something else.
+fn reached(folder: &OutputFolder) -> Result<(Vec<StepSummary>, bool), String> {
     let mut summary: serde_json::Value =
         serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
-    let Some(steps) = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut) else { return Ok(Vec::new()) };
+    let is_complete = summary["status"] == "converged";
+    let steps = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut);
+    let Some(steps) = steps else { return Ok((Vec::new(), false)) };
     let steps = std::mem::take(steps);
     let format = summary["format"].as_u64().unwrap_or(1);
     if format != u64::from(FORMAT) && !steps.is_empty() {
         return Err(format!("its summary.json has the format {format} instead of {FORMAT}"));
     }
     let converged = steps.into_iter().filter(|step| step["converged"] == true);
-    Ok(converged.filter_map(|step| serde_json::from_value(step).ok()).collect())
+    Ok((converged.filter_map(|step| serde_json::from_value(step).ok()).collect(), is_complete))
 }
 
 /// Keys of which two cases have different values, each with what it was and is.
@@ -193,6 +221,21 @@ fn compare(old: Option<&Value>, new: Option<&Value>, key: &str, found: &mut Vec<
 mod tests {
     use super::*;
     use pneuflex_model::Case;
+
+    #[test]
+    fn a_damaged_byte_is_noticed_wherever_it_is() {
+        let sealed = sealed(b"displacements and more");
+        assert_eq!(unsealed(&sealed), Some(&b"displacements and more"[..]));
+        for at in 0..sealed.len() {
+            for damage in [1, 0x80, 0xff] {
+                let mut damaged = sealed.clone();
+                damaged[at] ^= damage;
+                assert_eq!(unsealed(&damaged), None, "byte {at}");
+            }
+            assert_eq!(unsealed(&sealed[..at]), None, "{at} bytes");
+        }
+        assert_eq!(unsealed(&[&sealed[..], b"x"].concat()), None);
+    }
 
     #[test]
     fn changes_of_a_case_are_named() {

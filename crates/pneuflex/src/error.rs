@@ -97,6 +97,15 @@ pub enum ResultsError {
         /// The folder.
         folder: PathBuf,
     },
+    /// Another folder has the output folder's name.
+    #[error(
+        "{}: another folder has taken the place of the output folder during the run; what was recorded is where that was moved to",
+        .folder.display()
+    )]
+    FolderReplaced {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     NotWritable {

@@ -120,12 +120,16 @@ mod body_file;
 mod caution;
 pub mod checkpoint_file;
 pub mod convergence;
+#[cfg(test)]
+mod deaths;
 mod derived;
 pub mod diagnosis;
+mod disk;
 pub mod document;
 pub mod error;
 mod files;
 pub mod folder;
+mod foreign;
 mod holding;
 pub mod input_error;
 pub mod json;
@@ -168,13 +172,28 @@ pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
 pub use run::Run;
 pub use solution::Solution;
+pub use store::input_file;
 pub use study::Study;
 
 /// Sets the number of threads for the whole program, once, before anything is read or solved. [`Run::threads`] sets it for a single run.
 ///
 /// # Errors
-/// [`Error::Threads`] if they cannot be started, or were set before.
+/// [`Error::Input`] for more than four times as many as there are cores; [`Error::Threads`] if they cannot be started, or were set before.
 pub fn use_threads(threads: usize) -> Result<(), Error> {
+    check_threads(threads)?;
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     built.map_err(|source| Error::Threads { threads, source })
+}
+
+/// Threads beyond the cores only wait for each other: a number far beyond them is a slip.
+fn check_threads(threads: usize) -> Result<(), InputError> {
+    const PER_CORE: usize = 4;
+    let Ok(cores) = std::thread::available_parallelism() else { return Ok(()) };
+    let most = PER_CORE * cores.get();
+    if threads <= most {
+        return Ok(());
+    }
+    let help = format!("leave it out to use all {cores} cores");
+    Err(InputError::new(format!("{threads} threads are too many: at the most {most}, four times the {cores} cores"))
+        .with_help(Some(help)))
 }

@@ -1,6 +1,7 @@
 //! How much memory a case will need, before anything is built.
 
 use std::fs;
+use std::path::Path;
 
 use pneuflex_mesh::{Actuator, Cuts, ElementKind, Mesh, MeshSize};
 use pneuflex_model::{Case, Curve, LinearEquation};
@@ -122,12 +123,61 @@ fn bytes(kind: ElementKind, chambers: usize, unknowns: f64) -> f64 {
     PROGRAM + chambers * per_unknown * (unknowns / chambers).powf(1.25)
 }
 
-/// Memory the system can still give away, bytes; `None` where it does not say.
+/// Memory the system can still give away, bytes: what is free, and what the limits of this process leave of it; `None` where it does not say.
 fn available() -> Option<f64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024.0)
+    let read = |path: &str| fs::read_to_string(path).ok();
+    let free = read("/proc/meminfo").and_then(|text| kibibytes(&text, "MemAvailable:"));
+    let of_group = read("/proc/self/cgroup").and_then(|groups| left_to_group(&groups, Path::new("/sys/fs/cgroup")));
+    let of_process = read("/proc/self/limits")
+        .zip(read("/proc/self/status"))
+        .and_then(|(limits, status)| left_to_process(&limits, &status));
+    [free, of_group, of_process].into_iter().flatten().reduce(f64::min)
+}
+
+/// A number in KiB behind a name, in bytes.
+fn kibibytes(text: &str, name: &str) -> Option<f64> {
+    let number: f64 =
+        text.lines().find_map(|line| line.strip_prefix(name))?.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024.0 * number)
+}
+
+/// What the address space of the process may still grow by (`ulimit -v`).
+fn left_to_process(limits: &str, status: &str) -> Option<f64> {
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: f64 = limit.split_whitespace().next()?.parse().ok()?;
+    Some((limit - kibibytes(status, "VmSize:")?).max(0.0))
+}
+
+/// What a container, or any other control group, leaves to its processes: the least over the group and those around it, in version 2 and
+/// in version 1. `groups` is what the process's file `cgroup` says; within a container its paths may be those of the outside.
+fn left_to_group(groups: &str, root: &Path) -> Option<f64> {
+    let mut least: Option<f64> = None;
+    for line in groups.lines() {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (parts.next(), parts.next()) else { continue };
+        let (root, names) = if controllers.is_empty() {
+            (root.to_owned(), ["memory.max", "memory.current", "inactive_file"])
+        } else if controllers.split(',').any(|controller| controller == "memory") {
+            (root.join("memory"), ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"])
+        } else {
+            continue;
+        };
+        let around = Path::new(path.trim_start_matches('/')).ancestors();
+        let left = around.filter_map(|group| left_to_one_group(&root.join(group), names)).reduce(f64::min);
+        least = [least, left].into_iter().flatten().reduce(f64::min);
+    }
+    least
+}
+
+/// The same of one group; what it holds only to read files faster can be given back.
+fn left_to_one_group(folder: &Path, [limit, used, cached]: [&str; 3]) -> Option<f64> {
+    let read = |name: &str| fs::read_to_string(folder.join(name)).ok();
+    // Not a number where there is no limit.
+    let limit: f64 = read(limit)?.trim().parse().ok()?;
+    let used: f64 = read(used)?.trim().parse().ok()?;
+    let cache = |text: String| text.lines().find_map(|line| line.strip_prefix(cached)?.trim().parse::<f64>().ok());
+    let cached = read("memory.stat").and_then(cache).unwrap_or(0.0);
+    Some((limit - used + cached).max(0.0))
 }
 
 #[cfg(test)]
@@ -168,6 +218,34 @@ mod tests {
             let ratio = Estimate::of(&case(actuator, mesh)).bytes / (1024.0 * kibibytes);
             assert!((0.95..1.35).contains(&ratio), "{element} {h}: {ratio}");
         }
+    }
+
+    #[test]
+    fn limits_of_groups_and_of_the_process_count() {
+        let root = std::env::temp_dir().join(format!("pneuflex-memory-{}", std::process::id()));
+        let write = |name: &str, text: &str| {
+            let file = root.join(name);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, text).unwrap();
+        };
+        // Version 2, the limit is that of the group around.
+        write("a/memory.max", "1000\n");
+        write("a/memory.current", "300\n");
+        write("a/memory.stat", "anon 200\nactive_file 1\ninactive_file 50\n");
+        write("a/b/memory.max", "max\n");
+        write("a/b/memory.current", "300\n");
+        assert_eq!(left_to_group("0::/a/b\n", &root), Some(750.0));
+        assert_eq!(left_to_group("0::/\n", &root), None);
+        // Version 1; a container sees its own group as the root.
+        write("memory/memory.limit_in_bytes", "500\n");
+        write("memory/memory.usage_in_bytes", "600\n");
+        assert_eq!(left_to_group("4:memory,x:/docker/12\n3:cpu:/\n0::/a\n", &root), Some(0.0));
+        fs::remove_dir_all(&root).unwrap();
+
+        let limits = |limit: &str| format!("Limit  Soft Limit\nMax address space         {limit}  unlimited  bytes\n");
+        assert_eq!(left_to_process(&limits("4096000"), "VmPeak: 9 kB\nVmSize:     1000 kB\n"), Some(3_072_000.0));
+        assert_eq!(left_to_process(&limits("unlimited"), "VmSize: 1000 kB\n"), None);
+        assert_eq!(kibibytes("MemFree: 1 kB\nMemAvailable:    2 kB\n", "MemAvailable:"), Some(2048.0));
     }
 
     #[test]

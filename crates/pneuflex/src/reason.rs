@@ -41,6 +41,8 @@ pub enum ReasonKind {
     NotHeld,
     /// Contact does not settle: walls touch and part in turn.
     WallsCross,
+    /// There is not enough memory.
+    OutOfMemory,
     /// Newton's method does not converge for a reason that was not found.
     NotConverged,
 }
@@ -54,8 +56,9 @@ pub fn explain(
     displacement: &[[f64; 3]],
 ) -> Option<Reason> {
     let end = End { problem, vocabulary, failure, displacement };
-    match failure.cause {
+    match &failure.cause {
         Cause::Interrupted => None,
+        Cause::OutOfMemory(error) => Some(end.out_of_memory(error)),
         // What is wrong with the equations is all there is to say.
         Cause::Setup(_) | Cause::Resume(_) | Cause::Contradiction => Some(end.not_solvable()),
         _ => Some(
@@ -96,6 +99,17 @@ impl End<'_> {
     fn is_loaded(&self) -> bool {
         let is_blown = |control: &Control| !matches!(control, Control::Volume(_));
         self.problem.cavities.iter().any(|cavity| is_blown(&cavity.control)) || !self.problem.loads.is_empty()
+    }
+
+    /// The equations do not fit in memory.
+    fn out_of_memory(&self, why: &dyn std::fmt::Display) -> Reason {
+        Reason {
+            kind: ReasonKind::OutOfMemory,
+            is_physical: false,
+            message: format!("the memory does not suffice beyond {}: {why}", self.reached()),
+            advice: "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)"
+                .into(),
+        }
     }
 
     fn not_solvable(&self) -> Reason {

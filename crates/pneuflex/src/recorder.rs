@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Write;
 use std::time::Instant;
 
 use pneuflex_model::{Clock, Control, LoadParameter, Pressure, SymmetryPlane};
@@ -18,7 +17,7 @@ use crate::derived;
 use crate::diagnosis::Warning;
 use crate::error::{ResultsError, end_in_words};
 use crate::files::{Files, INCLUDED, INPUT, included_name};
-use crate::folder::{CASE_MARK, OutputFolder};
+use crate::folder::{CASE_MARK, OutputFolder, REPORT};
 use crate::json;
 use crate::observer::{End, Event, Observer, ReachedState};
 use crate::on_the_way::{OnTheWay, on_the_way_number};
@@ -151,8 +150,8 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Starts the output of a run, or goes on with what was recorded up to a checkpoint: the resolved case, the history, the
-    /// summary.
+    /// Starts the output of a run in a folder that [`OutputFolder::begin`] has emptied, or goes on with what was recorded up to a
+    /// checkpoint: the resolved case, the history, the summary.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -165,6 +164,9 @@ impl<'a> Recorder<'a> {
             element: problem.formulation.name(),
         };
         let resolved = analysis.resolved().map_err(|e| ResultsError::not_representable("case.toml", e))?;
+        folder.remove_partial_files()?;
+        // It shows what the run goes beyond now.
+        folder.remove(REPORT)?;
         let version = env!("CARGO_PKG_VERSION");
         let header = format!("{CASE_MARK} {version}: the case as it was solved, with every default\n\n");
         folder.write("case.toml", header + &resolved)?;
@@ -189,7 +191,7 @@ impl<'a> Recorder<'a> {
             open_iterations: 0,
             on_the_way: recorded.on_the_way,
         };
-        recorder.remove_states_on_the_way();
+        recorder.remove_states_on_the_way()?;
         for step in recorded.steps {
             recorder.list_fields(step.when().0, &format!("{:02}", recorder.steps.len() + 1));
             recorder.iterations += step.iterations;
@@ -199,14 +201,16 @@ impl<'a> Recorder<'a> {
             recorder.folder.write(SERIES, series(&recorder.series))?;
         }
         recorder.write_summary(None)?;
+        recorder.folder.has_begun()?;
         Ok(recorder)
     }
 
     /// Removes the fields of states on the way that an earlier run ended with: this one goes on beyond them.
-    fn remove_states_on_the_way(&self) {
-        for (number, name) in (1..=ON_THE_WAY).flat_map(|number| FIELDS.map(|name| (number, name))) {
-            self.folder.remove(&format!("fields/{name}_{}.vtu", on_the_way_number(number)));
-        }
+    fn remove_states_on_the_way(&self) -> Result<(), ResultsError> {
+        let mut names = (1..=ON_THE_WAY).flat_map(|number| FIELDS.map(|name| (number, name)));
+        names.try_for_each(|(number, name)| {
+            self.folder.remove(&format!("fields/{name}_{}.vtu", on_the_way_number(number)))
+        })
     }
 
     /// Lists the field files of a state in the series, as far as they are there.
@@ -228,7 +232,7 @@ impl<'a> Recorder<'a> {
         let line = json::line(&Line { record, pressure_kpa });
         let line = line.map_err(|why| ResultsError::not_representable(HISTORY, why))?;
         self.history_bytes += line.len() as u64;
-        self.history.write_all(line.as_bytes()).map_err(|e| self.folder.cannot_write(HISTORY, e))
+        self.folder.add(HISTORY, &mut self.history, &line)
     }
 
     /// Records an accepted load step, to go on from if the run ends here.
@@ -380,6 +384,7 @@ fn store_input(folder: &OutputFolder, files: &Files) -> Result<(), ResultsError>
     for (number, (_, bytes)) in files.included.iter().enumerate() {
         folder.write(&format!("{INPUT}/{}", included_name(number)), bytes)?;
     }
+    // Last: by it the folder of copies is known as ours.
     let names: Vec<&str> = files.included.iter().map(|(name, _)| name.as_str()).collect();
     let names = json::pretty(&names).map_err(|why| ResultsError::not_representable(INCLUDED, why))?;
     folder.write(&format!("{INPUT}/{INCLUDED}"), names)

@@ -1,5 +1,6 @@
 //! What can be refused only when the body is there, whatever kind of file it came from, and before anything is solved or written.
 
+use pneuflex_mesh::LENGTHS;
 use pneuflex_model::{CaseError, Probe, Problem};
 use pneuflex_post::contact;
 
@@ -9,13 +10,27 @@ const MOST_OVERLAP: f64 = 1e-9;
 /// What is this close to a plane, relative to the body's extent, lies in it.
 const CLOSE: f64 = 1e-6;
 
-/// Obstacles that overlap the body at rest, and probes that are not on it.
+/// A body that is too small or too large to be one, obstacles that overlap it at rest, and probes that are not on it.
 pub fn refusals(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
+    if let Some(error) = size(problem) {
+        return vec![error];
+    }
     let mut found = far_probes(problem, probes);
     if found.is_empty() {
         found = mirrored_probes(problem, probes);
     }
     overlap(problem).into_iter().chain(found).collect()
+}
+
+/// A body whose coordinates are no lengths of a body.
+fn size(problem: &Problem) -> Option<CaseError> {
+    let [shortest, longest] = LENGTHS;
+    let largest = problem.mesh.nodes.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    (!(shortest..=longest).contains(&largest)).then(|| CaseError {
+        key: "model.file".into(),
+        value: format!("a body with coordinates up to {largest:e}"),
+        allowed: format!("they must be from {shortest:e} to {longest:e} mm; model.scale is for meshes in other units"),
+    })
 }
 
 /// The first obstacle that overlaps the body at rest, if there is one: no load path could begin there.
@@ -74,6 +89,18 @@ fn far_probes(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_body_beyond_all_lengths_is_refused() {
+        let case = toml::from_str(&crate::template::two_chambers()).unwrap();
+        let problem = Problem::from_case(&case).unwrap();
+        let scaled = |factor: f64| {
+            let mesh = std::sync::Arc::unwrap_or_clone(problem.mesh.clone()).map_nodes(|x| x.map(|t| factor * t));
+            refusals(&Problem { mesh: mesh.into(), ..problem.clone() }, &[]).len()
+        };
+        assert_eq!([1.0, 1e-3, 1e3].map(scaled), [0; 3]);
+        assert_eq!([0.0, 1e-9, 1e9, 1e99].map(scaled), [1; 4]);
+    }
 
     #[test]
     fn a_probe_beyond_the_body_is_refused_wherever_it_is() {

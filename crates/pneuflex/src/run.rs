@@ -11,6 +11,7 @@ use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::Analysis;
+use crate::check_threads;
 use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
@@ -96,7 +97,7 @@ impl<'a> Run<'a> {
     }
 
     /// Records the run in a folder, which is made if need be: summary, history of iterations, fields, checkpoints. Results of an earlier
-    /// run in it are replaced; a folder that holds anything else is refused.
+    /// run in it are replaced once the equations are set up; a folder that holds anything else is refused.
     pub fn record(mut self, folder: impl Into<PathBuf>) -> Self {
         self.recording = Some(Recording::Fresh(folder.into()));
         self
@@ -123,36 +124,37 @@ impl<'a> Run<'a> {
     /// Follows the equilibria from rest, or from where it was said, through the analysis's times.
     ///
     /// # Errors
-    /// [`Error::Setup`]; [`Error::NotConverged`] and [`Error::Interrupted`] with what was reached; [`Error::Input`] for a folder that cannot be used;
+    /// [`Error::Setup`]; [`Error::NotConverged`] and [`Error::Interrupted`] with what was reached; [`Error::Input`] for a folder that cannot be
+    /// used, or too many threads;
     /// [`Error::Results`] for results that could not be derived or recorded.
     pub fn solve(self) -> Result<Solution, Error> {
         let Some(threads) = self.threads else { return self.follow() };
+        check_threads(threads)?;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map_err(|source| Error::Threads { threads, source })?.install(|| self.follow())
     }
 
     fn follow(mut self) -> Result<Solution, Error> {
         let analysis = self.analysis;
-        let mut states = Vec::new();
-        if let Some((folder, start)) = self.recording.take().map(|recording| recording.open(analysis)).transpose()? {
-            let recorded = match start {
-                Start::Complete(states) => {
-                    let warnings = analysis.warnings(&states);
-                    return Ok(Solution { states, warnings, ..Solution::default() });
-                }
-                Start::From(earlier) => {
-                    self.from = Some(earlier.1);
-                    earlier.0
-                }
-                Start::AtRest => {
-                    folder.clear()?;
-                    Recorded::default()
-                }
-            };
-            states.clone_from(&recorded.steps);
-            // First, so that nobody hears of a state that could not be recorded.
-            self.observers.insert(0, Box::new(Recorder::new(folder, analysis, recorded)?));
-        }
+        let opened = self.recording.take().map(|recording| recording.open(analysis)).transpose()?;
+        let mut recorded = Recorded::default();
+        let mut is_fresh = false;
+        let folder = match opened {
+            Some((_, Start::Complete(states))) => {
+                let warnings = analysis.warnings(&states);
+                return Ok(Solution { states, warnings, ..Solution::default() });
+            }
+            Some((folder, Start::From(earlier))) => {
+                (recorded, self.from) = (earlier.0, Some(earlier.1));
+                Some(folder)
+            }
+            Some((folder, Start::AtRest)) => {
+                is_fresh = true;
+                Some(folder)
+            }
+            None => None,
+        };
+        let states = recorded.steps.clone();
         let reached = self.from.as_ref().map_or(LoadParameter::default(), |checkpoint| checkpoint.parameter);
         let is_left = |at: &LoadParameter| states.last().is_none_or(|last| *at > last.when()) && *at >= reached;
         let remaining: Vec<LoadParameter> = analysis.requested.iter().copied().filter(is_left).collect();
@@ -162,6 +164,16 @@ impl<'a> Run<'a> {
         };
         let spent =
             self.from.as_ref().map_or([0, 0], |from| [from.approach.iterations_before, from.approach.load_steps]);
+        let stop = Arc::new(AtomicBool::new(false));
+        let path = set_up(analysis, &remaining, self.from, &stop);
+        // Only now: a run that cannot begin leaves the results of an earlier one as they are.
+        if let (Some(folder), Ok(_)) = (folder, &path) {
+            if is_fresh {
+                folder.begin()?;
+            }
+            // First, so that nobody hears of a state that could not be recorded.
+            self.observers.insert(0, Box::new(Recorder::new(folder, analysis, recorded)?));
+        }
         let mut audience = Audience {
             analysis,
             sites: probe_sites(&analysis.problem.mesh, &analysis.probes),
@@ -172,11 +184,34 @@ impl<'a> Run<'a> {
             keeps_fields: self.keeps_fields,
             error: None,
             token: self.stop,
-            stop: Arc::new(AtomicBool::new(false)),
+            stop,
         };
-        let result = audience.follow(&remaining, self.from);
+        let result = path.and_then(|path| audience.follow(path, &remaining));
         audience.finish(result)
     }
+}
+
+/// Why a path ended early, and what it had cost.
+type Ended = Box<(Failure, PathReport)>;
+
+/// The path from rest or from a checkpoint.
+fn set_up(
+    analysis: &Analysis,
+    parameters: &[LoadParameter],
+    from: Option<Checkpoint>,
+    stop: &Arc<AtomicBool>,
+) -> Result<Path, Ended> {
+    let Analysis { problem, solver, .. } = analysis;
+    let unable = |cause: Cause| {
+        let attempted = parameters.first().copied().unwrap_or_default();
+        Box::new((Failure::at_rest(problem.clock, attempted, cause), PathReport::default()))
+    };
+    let mut path = Path::new(problem, solver).map_err(|e| unable(e.into()))?;
+    path.stop_when(Arc::clone(stop));
+    if let Some(checkpoint) = from {
+        path.resume(checkpoint).map_err(|e| unable(e.into()))?;
+    }
+    Ok(path)
 }
 
 impl Recording {
@@ -212,22 +247,8 @@ struct Audience<'a> {
 }
 
 impl Audience<'_> {
-    /// Follows the path from rest or from a checkpoint.
-    fn follow(
-        &mut self,
-        parameters: &[LoadParameter],
-        from: Option<Checkpoint>,
-    ) -> Result<PathReport, Box<(Failure, PathReport)>> {
-        let Analysis { problem, solver, .. } = self.analysis;
-        let unable = |cause: Cause| {
-            let attempted = parameters.first().copied().unwrap_or_default();
-            Box::new((Failure::at_rest(problem.clock, attempted, cause), PathReport::default()))
-        };
-        let mut path = Path::new(problem, solver).map_err(|e| unable(e.into()))?;
-        path.stop_when(Arc::clone(&self.stop));
-        if let Some(checkpoint) = from {
-            path.resume(checkpoint).map_err(|e| unable(e.into()))?;
-        }
+    /// Follows the path through the given positions.
+    fn follow(&mut self, mut path: Path, parameters: &[LoadParameter]) -> Result<PathReport, Ended> {
         for &parameter in parameters {
             if let Err(failure) = path.advance_and_tell(parameter, &mut |event| self.hear(event)) {
                 let is_new = self.found.states.last().is_none_or(|state| failure.reached > state.when());
@@ -287,7 +308,7 @@ impl Audience<'_> {
         Ok(())
     }
 
-    fn finish(mut self, result: Result<PathReport, Box<(Failure, PathReport)>>) -> Result<Solution, Error> {
+    fn finish(mut self, result: Result<PathReport, Ended>) -> Result<Solution, Error> {
         let (report, failure) = match result {
             Ok(report) => (report, None),
             Err(ended) => (ended.1, Some(ended.0)),

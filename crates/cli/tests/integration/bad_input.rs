@@ -1,6 +1,7 @@
 //! Every kind of bad input: one clear message, exit code 2, and nothing written.
 
 use std::fs;
+use std::path::Path;
 
 use crate::support::{Scratch, ended};
 
@@ -177,8 +178,9 @@ fn mesh_size_zero() {
 fn a_mesh_that_will_not_fit_in_memory() {
     let words = ["will not fit in memory", "elements", "unknowns", "GiB", "mesh.size", "--force"];
     refused("huge", replace(RESOLUTION, "size = 0.02"), &[], &words);
-    refused("wide", replace("width = 20.0", "width = 1e200"), &[], &["[actuator] differ too much"]);
-    refused("absurd", replace(RESOLUTION, "size = 1e-300"), &[], &words[..5]);
+    let of_lengths = "greater than 0 mm: from 1e-6 to 1e6";
+    refused("wide", replace("width = 20.0", "width = 1e200"), &[], &["actuator.width = 1", "from 1e-6 to 1e6 mm"]);
+    refused("absurd", replace(RESOLUTION, "size = 1e-300"), &[], &["mesh.size = 1e-300", of_lengths]);
 }
 
 #[test]
@@ -262,6 +264,8 @@ fn files_that_are_not_there() {
     assert!(scratch.listing().is_empty());
     assert_eq!(scratch.run(&["walk"]).code, 2);
     assert_eq!(scratch.run(&["run", "case.toml", "--threads", "0"]).code, 2);
+    let many = scratch.run(&["run", "case.toml", "--threads", "60000"]);
+    assert!(many.code == 2 && many.err.contains("four times the"), "{many:?}");
 }
 
 #[test]
@@ -329,12 +333,110 @@ fn huge_and_hostile_files_are_refused_within_bounded_memory() {
     }
     // Nothing forces a mesh whose nodes cannot be numbered.
     assert_eq!(scratch.run(&["new", "two-chamber", "case.toml"]).code, 0);
-    for size in ["1e-5", "1e-200"] {
+    for size in ["1e-5", "1e-6"] {
         let forced = scratch.run(&["run", "case.toml", "--force", "--set", &format!("mesh.size={size}")]);
         assert!(forced.code == 2 && forced.err.contains("will not fit in memory"), "{size}: {forced:?}");
     }
     if cfg!(unix) {
         let endless = scratch.run(&["check", "/dev/zero"]);
-        assert!(endless.code == 2 && endless.err.contains("larger than 1 MB"), "{endless:?}");
+        assert!(endless.code == 2 && endless.err.contains("a device or a pipe"), "{endless:?}");
+    }
+}
+
+/// Numbers at the end of what can be written are out of range, whatever kind of file has them, and whatever they are of.
+#[test]
+fn numbers_that_nobody_means() {
+    for (key, value) in [
+        ("actuator.gap", "5e-324"),
+        ("actuator.flange", "1e300"),
+        ("mesh.edge_size", "1e308"),
+        ("material.c10", "5e-324"),
+        ("material.c20", "1e300"),
+        ("material.bulk_modulus", "1e308"),
+        ("material.density", "5e-324"),
+        ("contact.stiffness", "1e300"),
+        ("load.pressure_kpa", "[5e-324]"),
+        ("solver.tolerance", "5e-324"),
+    ] {
+        refused(&format!("size-{key}"), |text| text, &[&format!("{key}={value}")], &[key, "is out of range"]);
+    }
+    let scratch = Scratch::new("size-model");
+    let model = "[actuator]\nchambers = 2\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 0.0\nwidth = 20.0\n\
+                 height = 13.0\nbase = 4.0\nside_wall = 1.0\ntop_wall = 1.0\n\
+                 channel = { half_width = 1.0, bottom = 2.0, top = 3.0 }\n[load]\ntimes = [5e-324]\n\
+                 [[force]]\nnodes = \"end_face\"\ntotal = [1e300, 0, 0]\n[gravity]\nacceleration = [0, 0, 1e308]\n\
+                 [[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = [[0, 0], [1, 1e300]]\n\
+                 [[obstacle]]\nname = \"table\"\nshape = \"plane\"\npoint = [0, 0, -1e300]\nnormal = [0, 0, 1]\n";
+    fs::write(scratch.path("model.toml"), model).unwrap();
+    let ended = scratch.run(&["check", "model.toml"]);
+    assert_eq!(ended.code, 2, "{ended:?}");
+    for key in ["load.times", "force[0].total", "gravity.acceleration", "cavity[0].pressure_kpa", "obstacle[0].point"] {
+        assert!(ended.err.contains(&format!("{key} = ")), "{key}: {}", ended.err);
+    }
+    fs::write(scratch.path("deck.inp"), "*NODE\n1, 1e300, 0, 0\n2, 5e-324, 0, 0\n").unwrap();
+    let ended = scratch.run(&["check", "deck.inp"]);
+    assert!(ended.code == 2 && ended.err.contains("too large") && ended.err.contains("too small"), "{ended:?}");
+}
+
+/// Files in the place of others: the message says what they are, and leads on.
+#[test]
+fn another_kind_of_file_than_expected() {
+    let scratch = Scratch::new("foreign");
+    for (name, text, words) in [
+        ("one_tet.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "a mesh needs a model file"),
+        ("part.stl", "solid part\nfacet normal 0 0 1\n", "without an inside"),
+        ("curve.csv", "stretch;stress\n1;0\n", "pneuflex fit"),
+        ("deck.txt", "*HEADING\n*NODE\n", "end in .inp"),
+        ("case.toml", "version https://git-lfs.github.com/spec/v1\noid sha256:12\nsize 9\n", "git lfs pull"),
+        ("deck.inp", "version https://git-lfs.github.com/spec/v1\noid sha256:12\nsize 9\n", "git lfs pull"),
+        ("a.toml", "[model]\nfile = \"part.stl\"\n[load]\ntimes = [1]\n", "gmsh -3"),
+    ] {
+        fs::write(scratch.path(name), text).unwrap();
+        let ended = scratch.run(&["check", name]);
+        assert!(ended.code == 2 && ended.err.contains(words), "{name}: {ended:?}");
+        assert_eq!(ended.err.matches("error:").count(), 1, "{name}: {}", ended.err);
+    }
+    let fit = scratch.run(&["fit", "case.toml"]);
+    assert!(fit.code == 2 && fit.err.contains("git lfs pull"), "{fit:?}");
+    let folder = scratch.run(&["check", "."]);
+    assert!(folder.code == 2 && folder.err.contains("it is a folder"), "{folder:?}");
+}
+
+/// Includes without end are one error at once; what is included from elsewhere is named.
+#[test]
+fn included_files_end_and_are_where_they_are_expected() {
+    let scratch = Scratch::new("included");
+    fs::write(scratch.path("self2.inp"), "*HEADING\n".to_owned() + &"*INCLUDE, INPUT=self2.inp\n".repeat(3)).unwrap();
+    fs::write(scratch.path("bomb.inp"), "*HEADING\n*INCLUDE, INPUT=b0.inc\n").unwrap();
+    for level in 0..15 {
+        let next = format!("*INCLUDE, INPUT=b{}.inc\n", level + 1).repeat(4);
+        fs::write(scratch.path(&format!("b{level}.inc")), if level < 14 { &next } else { "*NODE\n" }).unwrap();
+    }
+    for name in ["self2.inp", "bomb.inp"] {
+        let ended = scratch.run(&["check", name]);
+        assert_eq!((ended.code, ended.err.matches("error:").count()), (2, 1), "{name}: {ended:?}");
+    }
+    let deck =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/decks/blocks.inp")).unwrap();
+    let (nodes, rest) = deck.split_once("*ELEMENT").unwrap();
+    fs::create_dir(scratch.path("deck")).unwrap();
+    fs::write(scratch.path("nodes.inc"), nodes).unwrap();
+    fs::write(scratch.path("deck/a.inp"), format!("*INCLUDE, INPUT=../nodes.inc\n*ELEMENT{rest}")).unwrap();
+    let ended = scratch.run(&["check", "deck/a.inp"]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    assert!(ended.err.contains("nodes.inc is included, which lies outside of the deck's folder"), "{}", ended.err);
+}
+
+/// A case from another program, through a pipe or a file.
+#[cfg(unix)]
+#[test]
+fn standard_input_is_an_input() {
+    let scratch = Scratch::new("stdin");
+    assert_eq!(scratch.run(&["new", "two-chamber", "case.toml"]).code, 0);
+    for command in ["cat case.toml | \"$0\" check /dev/stdin", "\"$0\" check /dev/stdin < case.toml"] {
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", command, env!("CARGO_BIN_EXE_pneuflex")]).current_dir(scratch.path("."));
+        let ended = ended(shell.output().unwrap());
+        assert!(ended.code == 0 && ended.out.contains("chambers"), "{command}: {ended:?}");
     }
 }

@@ -91,8 +91,11 @@ fn a_run_killed_again_and_again_ends_with_the_results_of_one_that_never_stopped(
     }
     assert_eq!(lines(&scratch, "killed"), all);
 
+    // Killed after its results, before its report.
+    fs::remove_file(scratch.path("killed/report.html")).unwrap();
     let again = scratch.run(&strings(&killed));
     assert!(again.code == 0 && again.err.contains("nothing is left to do"), "{again:?}");
+    assert!(scratch.path("killed/report.html").exists());
 }
 
 #[cfg(unix)]
@@ -110,6 +113,28 @@ fn ctrl_c_stops_at_the_next_iteration_and_keeps_what_is_there() {
     assert_eq!(summary["status"], "interrupted");
     let steps = summary["steps"].as_array().unwrap();
     assert!(!steps.is_empty() && steps.iter().all(|step| step["converged"] == true), "{summary}");
+}
+
+/// A terminal that is closed stops a run, but not one that was started by `nohup`.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_end_of_the_terminal_is_ignored_where_the_program_was_started_so() {
+    // What is ignored by the tests already, nobody can take notice of again.
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap().trim().to_owned();
+    let is_ignored = u64::from_str_radix(&ignored, 16).unwrap() & 1 == 1;
+    for (name, trap, code) in [("nohup", "trap '' HUP;", 0), ("terminal", "", if is_ignored { 0 } else { 130 })] {
+        let scratch = Scratch::new(name);
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{trap} exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_pneuflex")]);
+        let piped = || std::process::Stdio::piped();
+        command.args(arguments("out")).current_dir(scratch.path(".")).stdout(piped()).stderr(piped());
+        let mut child = command.spawn().unwrap();
+        wait_for(&scratch, "out", 10, &mut child);
+        assert!(Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap().success());
+        let end = ended(child.wait_with_output().unwrap());
+        assert_eq!(end.code, code, "{name}: {end:?}");
+    }
 }
 
 #[test]
@@ -135,6 +160,20 @@ fn a_folder_that_goes_away_is_one_clear_error() {
     let errors: Vec<_> = end.err.lines().filter(|line| line.starts_with("error")).collect();
     assert!(errors.len() == 1 && errors[0].contains("gone away"), "{}", end.err);
     assert!(!scratch.path("out").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_another_one_takes_the_place_of_is_noticed() {
+    let scratch = Scratch::new("replaced");
+    let mut child = scratch.start(&strings(&arguments("out")));
+    wait_for(&scratch, "out", 10, &mut child);
+    fs::rename(scratch.path("out"), scratch.path("elsewhere")).unwrap();
+    fs::create_dir(scratch.path("out")).unwrap();
+    let end = ended(child.wait_with_output().unwrap());
+    // In the moment between both the folder has gone away.
+    assert!(end.code == 1 && (end.err.contains("taken the place") || end.err.contains("gone away")), "{end:?}");
+    assert_eq!(fs::read_dir(scratch.path("out")).unwrap().count(), 0);
 }
 
 #[test]

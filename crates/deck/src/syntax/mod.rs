@@ -11,4 +11,4 @@ mod parse;
 
 pub use block::{Block, DataLine, Parameter, Sources};
 pub use number::{integer, real};
-pub use parse::{Include, MAX_DEPTH, MAX_SIZE, parse, parse_into};
+pub use parse::{Include, MAX_DEPTH, MAX_FILES, MAX_SIZE, parse, parse_into};

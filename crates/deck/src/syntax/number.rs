@@ -2,7 +2,11 @@
 
 use crate::report::quoted;
 
-/// A finite real number: `1`, `1.`, `.5`, `1e-3`, `1.D0`, and Fortran's `1.5-3` for 1.5 · 10⁻³.
+/// Sizes of numbers: beyond them squares and products are infinite or lost. No quantity is of such a size in any unit.
+const LEAST: f64 = 1e-100;
+const MOST: f64 = 1e100;
+
+/// A real number that is 0 or of a size that can be computed with: `1`, `1.`, `.5`, `1e-3`, `1.D0`, and Fortran's `1.5-3` for 1.5 · 10⁻³.
 ///
 /// # Errors
 /// Anything else, as a message.
@@ -27,7 +31,11 @@ pub fn real(text: &str) -> Result<f64, String> {
             .map_err(|_| wrong())?
         }
     };
-    if value.is_finite() { Ok(value) } else { Err(format!("{} is too large a number", quoted(text))) }
+    match value.abs() {
+        size if size > MOST => Err(format!("{} is too large a number", quoted(text))),
+        size if size != 0.0 && size < LEAST => Err(format!("{} is too small a number, and not 0", quoted(text))),
+        _ => Ok(value),
+    }
 }
 
 /// A whole number that fits 32 bits.
@@ -58,7 +66,10 @@ mod tests {
         for (text, expected) in cases {
             assert_eq!(real(text), Ok(expected), "{text}");
         }
-        for text in ["", "x", "1e", "inf", "nan", "0x1", "1..2", "--1", "-", ".", "1,5", "1e999", "1-2-3", "+", "1d"] {
+        for text in [
+            "", "x", "1e", "inf", "nan", "0x1", "1..2", "--1", "-", ".", "1,5", "1e999", "1e308", "-1e300", "5e-324",
+            "1-2-3", "+", "1d",
+        ] {
             assert!(real(text).is_err(), "{text}");
         }
         assert_eq!(integer(" 12"), Ok(12));

@@ -6,6 +6,9 @@ use crate::report::{DeckError, Place, Report, quoted, suggestion};
 /// So deep may files include each other.
 pub const MAX_DEPTH: usize = 16;
 
+/// So many files may a deck include in all.
+pub const MAX_FILES: usize = 1000;
+
 /// Bytes of a deck with all its included files, at the most.
 pub const MAX_SIZE: usize = 1 << 30;
 
@@ -14,8 +17,9 @@ pub type Include<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// Reads a deck called `name` from its bytes into keywords; what is wrong goes to the report.
 pub fn parse_into(name: &str, text: Vec<u8>, include: &mut Include<'_>, report: &mut Report) -> (Sources, Vec<Block>) {
-    let mut parser = Parser { sources: Sources::default(), blocks: Vec::new(), include, report, size: 0 };
-    parser.file(name, text, None, 0);
+    let (sources, blocks, open) = Default::default();
+    let mut parser = Parser { sources, blocks, include, report, size: 0, open, has_given_up: false };
+    parser.file(name, text, None);
     (parser.sources, parser.blocks)
 }
 
@@ -37,6 +41,10 @@ struct Parser<'a, 'b> {
     include: &'a mut Include<'b>,
     report: &'a mut Report,
     size: usize,
+    /// Names of the files that are being read, each included by the one before it.
+    open: Vec<String>,
+    /// Whether there is no end of included files: nothing more is read.
+    has_given_up: bool,
 }
 
 /// A line without blanks around it.
@@ -48,14 +56,14 @@ struct Line {
 
 impl Parser<'_, '_> {
     /// Reads one file; `from` is where it is included.
-    fn file(&mut self, name: &str, bytes: Vec<u8>, from: Option<Place>, depth: usize) {
+    fn file(&mut self, name: &str, bytes: Vec<u8>, from: Option<Place>) {
         let file = self.sources.names.len() as u32;
         let at = from.unwrap_or(Place { file, line: 1 });
         self.size += bytes.len();
         self.sources.names.push(name.to_owned());
         self.sources.texts.push(String::new());
         if self.size > MAX_SIZE {
-            return self.report.error(at, format!("the deck is larger than {} MiB", MAX_SIZE >> 20));
+            return self.give_up(at, format!("the deck with what it includes is larger than {} MiB", MAX_SIZE >> 20));
         }
         if bytes.contains(&0) {
             return self.report.error(at, format!("{} is not a text", quoted(name)));
@@ -64,12 +72,24 @@ impl Parser<'_, '_> {
             String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
         let lines = lines(&text, file);
         self.sources.texts[file as usize] = text;
-        self.lines(&lines, depth);
+        // Included files are named from the folder of the deck.
+        let name = if from.is_some() { name } else { name.rsplit(['/', '\\']).next().unwrap_or(name) };
+        self.open.push(plain(name));
+        self.lines(&lines);
+        self.open.pop();
     }
 
-    fn lines(&mut self, lines: &[Line], depth: usize) {
+    /// One error instead of one for every file that is still to come.
+    fn give_up(&mut self, place: Place, why: String) {
+        self.report.error(place, why);
+        self.has_given_up = true;
+    }
+
+    fn lines(&mut self, lines: &[Line]) {
         let mut rest = lines;
-        while let [first, after @ ..] = rest {
+        while let [first, after @ ..] = rest
+            && !self.has_given_up
+        {
             rest = after;
             if !self.text(first).starts_with('*') {
                 self.data(first);
@@ -83,7 +103,7 @@ impl Parser<'_, '_> {
                 head += self.text(next);
                 rest = after;
             }
-            self.keyword(first.place, &head, depth);
+            self.keyword(first.place, &head);
         }
     }
 
@@ -99,7 +119,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    fn keyword(&mut self, place: Place, head: &str, depth: usize) {
+    fn keyword(&mut self, place: Place, head: &str) {
         let mut pieces = fields(head);
         let written = pieces.next().unwrap_or_default();
         let keyword = bare(written.trim_start_matches('*'));
@@ -127,27 +147,40 @@ impl Parser<'_, '_> {
                 let hint = block.parameters.first().map(|p| suggestion(&p.name, ["INPUT"])).unwrap_or_default();
                 self.report.error(place, format!("*INCLUDE needs INPUT=file{hint}"));
             }
-            (true, Some(input)) => self.include(place, &input, depth),
+            (true, Some(input)) => self.include(place, &input),
             (false, None) => self.blocks.push(block),
             (false, Some(input)) => {
                 self.blocks.push(block);
-                self.include(place, &input, depth);
+                self.include(place, &input);
             }
         }
     }
 
-    fn include(&mut self, place: Place, input: &str, depth: usize) {
-        if depth + 1 >= MAX_DEPTH {
-            let deep = format!("files include each other more than {MAX_DEPTH} deep");
-            return self.report.error(place, deep);
+    fn include(&mut self, place: Place, input: &str) {
+        let name = plain(input);
+        if let Some(first) = self.open.iter().position(|open| *open == name) {
+            let chain = self.open[first..].iter().chain([&name]).map(|name| quoted(name)).collect::<Vec<_>>();
+            return self.give_up(place, format!("a file includes itself without end: {}", chain.join(" includes ")));
+        }
+        if self.open.len() >= MAX_DEPTH {
+            return self.give_up(place, format!("files include each other more than {MAX_DEPTH} deep"));
+        }
+        if self.sources.names.len() > MAX_FILES {
+            return self.give_up(place, format!("the deck includes more than {MAX_FILES} files"));
         }
         match (self.include)(input) {
             Ok(bytes) => {
-                self.file(input, bytes, Some(place), depth + 1);
+                self.file(input, bytes, Some(place));
             }
             Err(why) => self.report.error(place, format!("{} cannot be included: {why}", quoted(input))),
         }
     }
+}
+
+/// A file's name, so that one file has one name however a deck writes it.
+fn plain(name: &str) -> String {
+    let name = name.replace('\\', "/");
+    name.strip_prefix("./").unwrap_or(&name).to_owned()
 }
 
 /// Lines that are neither blank nor comments.

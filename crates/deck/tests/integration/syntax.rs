@@ -1,6 +1,6 @@
 //! Keywords, parameters, data lines, included files; hostile texts.
 
-use pneuflex_deck::syntax::{Block, MAX_DEPTH, Sources, parse};
+use pneuflex_deck::syntax::{Block, MAX_DEPTH, MAX_FILES, Sources, parse};
 use proptest::prelude::*;
 
 fn none(name: &str) -> Result<Vec<u8>, String> {
@@ -63,16 +63,39 @@ fn what_is_not_of_the_language_is_told_by_file_and_line() {
 }
 
 #[test]
-fn files_that_include_themselves_end() {
-    let mut opened = 0;
-    let mut itself = |_: &str| {
-        opened += 1;
-        Ok(b"*NODE\n*INCLUDE, INPUT=a.inp\n".to_vec())
+fn files_that_include_themselves_or_each_other_end_with_one_error() {
+    let found = |deck: &str, include: &dyn Fn(&str) -> String| {
+        let mut opened = 0;
+        let mut counted = |name: &str| {
+            opened += 1;
+            Ok(include(name).into_bytes())
+        };
+        let found = parse("folder/a.inp", deck.into(), &mut counted).unwrap_err();
+        assert_eq!(found.len(), 1, "{found:?}");
+        (opened, found[0].text.clone())
     };
-    let found = parse("a.inp", b"*INCLUDE, INPUT=a.inp\n".to_vec(), &mut itself).unwrap_err();
-    assert_eq!(found.len(), 1);
-    assert!(found[0].text.contains("include each other"), "{}", found[0]);
+    // Three times itself: 3^15 files, were the first not noticed.
+    let thrice = "*HEADING\n".to_owned() + &"*INCLUDE, INPUT=./a.inp\n".repeat(3);
+    assert_eq!(found(&thrice, &|_| thrice.clone()).0, 0);
+    let (opened, text) = found("*INCLUDE, INPUT=b.inc\n", &|name| match name {
+        "b.inc" => "*INCLUDE, INPUT=c.inc\n".into(),
+        _ => "*INCLUDE, INPUT=.\\b.inc\n".into(),
+    });
+    assert_eq!(
+        (opened, &*text),
+        (2, "a file includes itself without end: \"b.inc\" includes \"c.inc\" includes \"b.inc\"")
+    );
+    // Ever new names.
+    let (opened, text) = found("*INCLUDE, INPUT=b\n", &|name| format!("*INCLUDE, INPUT={name}b\n").repeat(4));
+    assert!(text.contains("include each other more than 16 deep"), "{text}");
     assert_eq!(opened, MAX_DEPTH - 1);
+    // A tree of 4^14 files.
+    let (opened, text) = found("*INCLUDE, INPUT=b0\n", &|name| {
+        let level: usize = name[1..].parse().unwrap();
+        if level < 14 { format!("*INCLUDE, INPUT=b{}\n", level + 1).repeat(4) } else { "*NODE\n".into() }
+    });
+    assert!(text.contains("more than 1000 files"), "{text}");
+    assert_eq!(opened, MAX_FILES);
 }
 
 proptest! {

@@ -3,7 +3,7 @@
 use super::tables::Model;
 use crate::obstacle_table;
 use crate::options::{check_names, check_probes};
-use crate::range_check::{CaseError, Problems};
+use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
 impl Model {
@@ -15,7 +15,7 @@ impl Model {
             found.add("model", &self.model.as_ref().map(|source| &source.file), allowed);
         }
         if let Some(source) = &self.model {
-            found.unless_positive("model.scale", source.scale, " mm");
+            found.unless_positive("model.scale", source.scale, Quantity::Factor);
         }
         found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
         match &self.model {
@@ -31,7 +31,7 @@ impl Model {
                 found.add(&format!("region[{i}].elements"), &region.elements, allowed);
             }
             if let Some(corners) = region.within {
-                finite(&mut found, &format!("region[{i}].box"), corners.as_flattened());
+                finite(&mut found, &format!("region[{i}].box"), corners.as_flattened(), Quantity::Length);
             }
         }
         for (i, support) in self.supports.iter().enumerate() {
@@ -40,8 +40,9 @@ impl Model {
             if support.axes.is_empty() || !support.axes.chars().all(is_axis) {
                 found.add(&format!("{key}.axes"), &support.axes, "must be letters out of x, y and z");
             }
-            finite(&mut found, &format!("{key}.displacement"), &support.displacement.unwrap_or_default());
-            series(&mut found, &format!("{key}.factor"), support.factor.as_ref());
+            let displacement = support.displacement.unwrap_or_default();
+            finite(&mut found, &format!("{key}.displacement"), &displacement, Quantity::Length);
+            series(&mut found, &format!("{key}.factor"), support.factor.as_ref(), Quantity::Factor);
         }
         for (i, equation) in self.equations.iter().enumerate() {
             for (j, (_, axis, coefficient)) in equation.terms.iter().enumerate() {
@@ -49,14 +50,14 @@ impl Model {
                 if !["x", "y", "z"].contains(&axis.as_str()) {
                     found.add(&key, axis, "the second entry must be \"x\", \"y\" or \"z\"");
                 }
-                if !coefficient.is_finite() || *coefficient == 0.0 {
+                if !Quantity::Factor.allows(*coefficient) || *coefficient == 0.0 {
                     found.add(&key, coefficient, "the third entry must be a finite number other than 0");
                 }
             }
             if equation.terms.is_empty() {
                 found.add(&format!("equation[{i}].terms"), &equation.terms, "must not be empty");
             }
-            series(&mut found, &format!("equation[{i}].value"), equation.value.as_ref());
+            series(&mut found, &format!("equation[{i}].value"), equation.value.as_ref(), Quantity::Length);
         }
         self.check_loads(&mut found);
         self.check_obstacles(&mut found);
@@ -74,32 +75,35 @@ impl Model {
                 let allowed = "must be there once: pressure_kpa, volume_mm3 or gas";
                 found.add(&key("pressure_kpa"), &cavity.pressure_kpa, allowed);
             }
-            for (name, values) in ["pressure_kpa", "volume_mm3", "gas"].into_iter().zip(given) {
-                series(found, &key(name), values.as_ref());
+            let quantities = [Quantity::Pressure, Quantity::Volume, Quantity::Factor];
+            for ((name, quantity), values) in
+                ["pressure_kpa", "volume_mm3", "gas"].into_iter().zip(quantities).zip(given)
+            {
+                series(found, &key(name), values.as_ref(), quantity);
             }
-            found.unless_positive(&key("atmosphere_kpa"), cavity.atmosphere_kpa, " kPa");
+            found.unless_positive(&key("atmosphere_kpa"), cavity.atmosphere_kpa, Quantity::Pressure);
             if !(1.0..=2.0).contains(&cavity.exponent) {
                 found.add(&key("exponent"), &cavity.exponent, "must be from 1 to 2");
             }
         }
         for (i, force) in self.forces.iter().enumerate() {
-            finite(found, &format!("force[{i}].total"), &force.total);
-            series(found, &format!("force[{i}].factor"), force.factor.as_ref());
+            finite(found, &format!("force[{i}].total"), &force.total, Quantity::Force);
+            series(found, &format!("force[{i}].factor"), force.factor.as_ref(), Quantity::Factor);
         }
         for (i, traction) in self.tractions.iter().enumerate() {
-            finite(found, &format!("traction[{i}].traction_mpa"), &traction.traction_mpa);
-            series(found, &format!("traction[{i}].factor"), traction.factor.as_ref());
+            finite(found, &format!("traction[{i}].traction_mpa"), &traction.traction_mpa, Quantity::Stress);
+            series(found, &format!("traction[{i}].factor"), traction.factor.as_ref(), Quantity::Factor);
         }
         for (i, pressure) in self.pressures.iter().enumerate() {
-            series(found, &format!("pressure[{i}].pressure_kpa"), Some(&pressure.pressure_kpa));
+            series(found, &format!("pressure[{i}].pressure_kpa"), Some(&pressure.pressure_kpa), Quantity::Pressure);
         }
         if let Some(gravity) = &self.gravity {
-            finite(found, "gravity.acceleration", &gravity.acceleration);
-            series(found, "gravity.factor", gravity.factor.as_ref());
+            finite(found, "gravity.acceleration", &gravity.acceleration, Quantity::Acceleration);
+            series(found, "gravity.factor", gravity.factor.as_ref(), Quantity::Factor);
         }
         for (i, contact) in self.contacts.iter().enumerate() {
             if let Some(stiffness) = contact.stiffness {
-                found.unless_positive(&format!("contact[{i}].stiffness"), stiffness, " N/mm3");
+                found.unless_positive(&format!("contact[{i}].stiffness"), stiffness, Quantity::Stiffness);
             }
         }
     }
@@ -107,29 +111,30 @@ impl Model {
     fn check_obstacles(&self, found: &mut Problems) {
         obstacle_table::check(&self.obstacles, found);
         for (i, obstacle) in self.obstacles.iter().enumerate() {
-            series(found, &format!("obstacle[{i}].factor"), obstacle.factor.as_ref());
+            series(found, &format!("obstacle[{i}].factor"), obstacle.factor.as_ref(), Quantity::Factor);
         }
     }
 
     fn check_times(&self, found: &mut Problems) {
         if let Some(load) = &self.load {
             let increasing = load.times.windows(2).all(|w| w[0] < w[1]);
-            let positive = load.times.iter().all(|time| time.is_finite() && *time > 0.0);
+            let [least, most] = Quantity::Time.range();
+            let positive = load.times.iter().all(|time| (least..=most).contains(time));
             if load.times.is_empty() || !positive || !increasing {
                 let allowed = "must be a non-empty, strictly increasing list of finite times greater than 0";
-                found.add("load.times", &load.times, allowed);
+                found.add("load.times", &load.times, &format!("{allowed}, from {least:e} to {most:e}"));
             }
         }
         let solver = &self.solver;
-        for (key, value) in [
-            ("solver.tolerance", solver.tolerance),
-            ("solver.residual_tolerance", solver.residual_tolerance),
-            ("solver.first_step", solver.first_step),
-            ("solver.max_step", solver.max_step),
-            ("solver.min_step", solver.min_step),
+        for (key, value, quantity) in [
+            ("solver.tolerance", solver.tolerance, Quantity::Tolerance),
+            ("solver.residual_tolerance", solver.residual_tolerance, Quantity::Tolerance),
+            ("solver.first_step", solver.first_step, Quantity::Time),
+            ("solver.max_step", solver.max_step, Quantity::Time),
+            ("solver.min_step", solver.min_step, Quantity::Time),
         ] {
             if let Some(value) = value {
-                found.unless_positive(key, value, "");
+                found.unless_positive(key, value, quantity);
             }
         }
         if solver.max_step.zip(solver.min_step).is_some_and(|(max, min)| max < min) {
@@ -141,18 +146,17 @@ impl Model {
     }
 }
 
-fn finite(found: &mut Problems, key: &str, values: &[f64]) {
-    if !values.iter().all(|x| x.is_finite()) {
-        found.add(key, &values, "must be finite numbers");
-    }
+fn finite(found: &mut Problems, key: &str, values: &[f64], quantity: Quantity) {
+    found.unless_finite(key, values, "finite numbers", quantity);
 }
 
-fn series(found: &mut Problems, key: &str, series: Option<&Series>) {
+fn series(found: &mut Problems, key: &str, series: Option<&Series>, quantity: Quantity) {
     match series {
-        Some(Series::End(value)) => finite(found, key, &[*value]),
+        Some(Series::End(value)) => finite(found, key, &[*value], quantity),
         Some(Series::Points(points)) => {
             let increasing = points.windows(2).all(|w| w[0][0] < w[1][0]);
-            if points.is_empty() || !increasing || !points.as_flattened().iter().all(|x| x.is_finite()) {
+            let are_finite = points.iter().all(|&[time, value]| Quantity::Time.allows(time) && quantity.allows(value));
+            if points.is_empty() || !increasing || !are_finite {
                 found.add(key, points, "must be finite points [time, value] in the order of time");
             }
         }

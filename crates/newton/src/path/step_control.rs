@@ -97,7 +97,8 @@ impl Path {
     ) -> Result<(), Failure> {
         let &Attempt { start, wanted, attempted, had_predictor } = attempt;
         self.system.revert();
-        if cause == Cause::Interrupted {
+        // A smaller step helps against neither.
+        if matches!(cause, Cause::Interrupted | Cause::OutOfMemory(_)) {
             return Err(self.failure(attempted, cause));
         }
         observer(Event::StepRejected { step: self.step, parameter: attempted, cause: &cause });
