@@ -135,7 +135,7 @@ mod tests {
                 assert_eq!(found.0.len(), 2, "{quantity:?} {bad}");
             }
             let mut found = Problems::default();
-            quantity.range().map(|good| found.unless_positive("key", good, quantity));
+            quantity.range().into_iter().for_each(|good| found.unless_positive("key", good, quantity));
             found.unless_finite("key", &[0.0, -0.0, 6e-17, -1.0, quantity.range()[1]], "finite numbers", quantity);
             assert_eq!(found.0, []);
             found.unless_positive("key", 0.0, quantity);
