@@ -33,14 +33,13 @@ impl Disk {
 
     /// Writes to a file.
     pub fn write(&self, file: &mut File, bytes: &[u8]) -> io::Result<()> {
-        if let Err(death) = self.survive() {
-            // Death does not wait for the end of a write.
-            #[cfg(test)]
-            if self.life.as_ref().is_some_and(|life| life.ends_now()) {
-                file.write_all(&bytes[..bytes.len() / 2])?;
-            }
-            return Err(death);
+        let life = self.survive();
+        // Death does not wait for the end of a write.
+        #[cfg(test)]
+        if life.is_err() && self.life.as_ref().is_some_and(|life| life.ends_now()) {
+            file.write_all(&bytes[..bytes.len() / 2])?;
         }
+        life?;
         file.write_all(bytes)
     }
 

@@ -183,7 +183,12 @@ fn bodies_that_make_no_sense_are_refused() {
     let mut body = cube();
     body.hold("nowhere", "x");
     assert!(matches!(body.analysis(), Err(Error::Input(errors)) if errors[0].key() == Some("support[1].nodes")));
-    // All nodes in one place.
+    // All nodes in one place, and in one plane.
+    assert!(matches!(
+        Body::new(Formulation::Hex8Q1p0, nodes, &[[0, 1, 2, 3, 4, 5, 6, 7]]).unwrap().times([1.0]).analysis(),
+        Err(Error::Input(errors)) if errors[0].to_string().contains("1e-6 to 1e6 mm")
+    ));
+    let nodes = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| [x, y, 0.0]).repeat(2);
     let flat = Body::new(Formulation::Hex8Q1p0, nodes, &[[0, 1, 2, 3, 4, 5, 6, 7]]).unwrap().times([1.0]).analysis();
     assert!(matches!(flat.unwrap().solve(), Err(Error::Setup(_))));
 }
