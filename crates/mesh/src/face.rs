@@ -173,7 +173,7 @@ impl FaceFamily {
     pub fn contact_rule(&self) -> Vec<([f64; 2], f64)> {
         match self.outline {
             Outline::Square => quadrature::quadrilateral(4),
-            Outline::Triangle => quadrature::triangle_12(),
+            Outline::Triangle => quadrature::triangle_16(),
         }
     }
 }

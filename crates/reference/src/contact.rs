@@ -2,7 +2,7 @@
 //!
 //! * Single-point: the centre of slave facet i against the centre of master facet i, d = (r_s − r_m) · n_m with the
 //!   master's normal at its centre. One Gauss point, so the area weight is 4 |X_ξ × X_η| (½ on triangles).
-//! * Multiple-point: 4 × 4 Gauss points (a symmetric rule of 12 on triangles) on every slave facet, each projected on *every* master facet of the pair.
+//! * Multiple-point: 4 × 4 Gauss points (a symmetric rule of 16 on triangles) on every slave facet, each projected on *every* master facet of the pair.
 //!
 //! Which projection counts, in the order of the master list:
 //! 1. among facets with converged |ξ|, |η| ≤ 1 + 1e−9 the nearest, the first of equals;

@@ -80,10 +80,10 @@ pub fn centre_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     }
 }
 
-/// The points of multiple-point contact: 4×4, 12 of a symmetric rule on triangles.
+/// The points of multiple-point contact: 4×4, 16 of a symmetric rule on triangles.
 pub fn contact_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     match kind {
-        FaceKind::Tri6 => quadrature::triangle_of_degree_6(),
+        FaceKind::Tri6 => quadrature::triangle_of_degree_8(),
         FaceKind::Quad4 | FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(4),
     }
 }

@@ -83,13 +83,16 @@ pub fn tetrahedron_of_degree_2() -> Vec<([f64; 3], f64)> {
     [3, 0, 1, 2].map(|corner| (at(corner), 1.0 / 24.0)).to_vec()
 }
 
-/// Twelve points on the unit triangle, of degree 6 and the same for all orders of its corners (Dunavant 1985): all permutations of barycentric
+/// Sixteen points on the unit triangle, of degree 8 and the same for all orders of its corners (Dunavant 1985): all permutations of barycentric
 /// coordinates of which two are given.
-pub fn triangle_of_degree_6() -> Vec<([f64; 2], f64)> {
+pub fn triangle_of_degree_8() -> Vec<([f64; 2], f64)> {
+    const THIRD: f64 = 1.0 / 3.0;
     let orbits = [
-        (0.249_286_745_170_910, 0.501_426_509_658_180, 0.116_786_275_726_379),
-        (0.063_089_014_491_502, 0.873_821_971_016_996, 0.050_844_906_370_207),
-        (0.310_352_451_033_785, 0.053_145_049_844_816, 0.082_851_075_618_374),
+        (THIRD, THIRD, 0.144_315_607_677_787),
+        (0.459_292_588_292_723, 0.081_414_823_414_554, 0.095_091_634_267_285),
+        (0.170_569_307_751_760, 0.658_861_384_496_480, 0.103_217_370_534_718),
+        (0.050_547_228_317_031, 0.898_905_543_365_938, 0.032_458_497_623_198),
+        (0.263_112_829_634_638, 0.008_394_777_409_958, 0.027_230_314_174_435),
     ];
     let mut rule: Vec<([f64; 2], f64)> = Vec::new();
     for (a, b, weight) in orbits {
@@ -133,8 +136,8 @@ mod tests {
             let sum: f64 = collapsed::<2>(3).iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
             assert!((sum - factorial(i) * factorial(j) / factorial(i + j + 2)).abs() < 1e-14);
         }
-        for (i, j) in (0..=6).flat_map(|i| (0..=6 - i).map(move |j| (i, j))) {
-            let sum: f64 = triangle_of_degree_6().iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
+        for (i, j) in (0..=8).flat_map(|i| (0..=8 - i).map(move |j| (i, j))) {
+            let sum: f64 = triangle_of_degree_8().iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
             assert!((sum - factorial(i) * factorial(j) / factorial(i + j + 2)).abs() < 1e-13, "x^{i} y^{j}: {sum}");
         }
         let volume: f64 = tensor::<3>(2).iter().map(|&(x, w)| w * x[0].powi(2) * x[1].powi(2)).sum();
