@@ -20,7 +20,9 @@ deviation of σ_zz from its mean over all integration points, relative to it. Ma
 pass in the mean only: the pressure on the slave is uniform, but the master's nodal forces are sums over the slave's 4 × 4 points, which \
 do not integrate the master's shape functions exactly where they have kinks (El-Abbasi & Bathe 2001, *Comput. Struct.* 79). For one slave \
 face on two quadratic master faces these sums are off by 13 to 38 % at the nodes, and the stresses next to the faces follow them. A penalty with the slave's \
-own points cannot pass this test; a mortar method could. The deviation is therefore reported without a bound.";
+own points cannot pass this test; a mortar method could. The deviation is therefore reported without a bound. The meshes of `tet10` avoid \
+2² on 3²: there the centroids of the slave's triangles, which are contact points, lie exactly on edges between master faces, whose normals \
+differ once they bend, and Newton's method does not settle.";
 
 const STIFFNESS: f64 = 20.0;
 const WAY: f64 = 0.2;
@@ -29,7 +31,11 @@ const WAY: f64 = 0.2;
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
     for element in Formulation::ALL {
-        let meshes: [usize; 2] = if element.element_kind().is_quadratic() { [2, 4] } else { [4, 8] };
+        let meshes: [usize; 2] = match element {
+            Formulation::Tet10 => [3, 6],
+            _ if element.element_kind().is_quadratic() => [2, 4],
+            _ => [4, 8],
+        };
         let describe = |n: &usize, m: usize| (format!("{n}² on {m}²"), *n as f64);
         let differing = effort.of(&meshes);
         let solved: Vec<Result<[f64; 3], String>> = differing.iter().map(|&n| press(element, n, n + 1)).collect();
