@@ -10,7 +10,7 @@ use pneuflex_verification::{Effort, Row, run as solve, table};
 /// Fails if a row misses its bound and that is not a known limit.
 pub fn run(quick: bool) -> ExitCode {
     let effort = if quick { Effort::Quick } else { Effort::Full };
-    let sections = solve(effort, &mut |row| print!("{}", table::line(row)));
+    let sections = solve(effort, &|row| print!("{}", table::line(row)));
     let count = |of: fn(&Row) -> bool| sections.iter().flat_map(|s| &s.rows).filter(|row| of(row)).count();
     let (missed, faults) = (count(|row| !row.passes()), count(Row::is_fault));
     println!("{missed} rows miss their bounds, {faults} of them not by a known limit");

@@ -37,6 +37,8 @@ pub mod torsion;
 pub mod tube;
 pub mod yeoh;
 
+use rayon::prelude::*;
+
 pub use row::Row;
 
 /// How much is computed.
@@ -84,13 +86,13 @@ const PROBLEMS: [Problem; 9] = [
     ("Hertzian contact", hertz::TEXT, hertz::rows),
 ];
 
-/// Solves all problems, telling `observe` about every row.
-pub fn run(effort: Effort, observe: &mut dyn FnMut(&Row)) -> Vec<Section> {
+/// Solves all problems, some at the same time, telling `observe` about the rows of each when it is solved.
+pub fn run(effort: Effort, observe: &(dyn Fn(&Row) + Sync)) -> Vec<Section> {
     PROBLEMS
-        .into_iter()
+        .into_par_iter()
         .map(|(title, text, solve)| {
             let rows = solve(effort);
-            rows.iter().for_each(&mut *observe);
+            rows.iter().for_each(observe);
             Section { title, text, rows }
         })
         .collect()

@@ -5,7 +5,7 @@ use pneuflex_verification::{Effort, run, table};
 
 #[test]
 fn the_coarsest_meshes_are_within_their_bounds() {
-    let sections = run(Effort::Quick, &mut |row| print!("{}", table::line(row)));
+    let sections = run(Effort::Quick, &|row| print!("{}", table::line(row)));
     let missed: Vec<String> =
         sections.iter().flat_map(|s| &s.rows).filter(|row| row.is_fault()).map(table::line).collect();
     assert!(sections.iter().all(|s| !s.rows.is_empty()));
