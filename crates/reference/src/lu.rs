@@ -17,7 +17,6 @@ pub fn solve(mut a: DMatrix<f64>, mut x: DVector<f64>) -> Option<DVector<f64>> {
     assert!(a.ncols() == n && x.len() == n, "A is square and x fits");
     for start in (0..n).step_by(BLOCK) {
         let end = (start + BLOCK).min(n);
-        let rest = n - end;
         // Columns start..end: P A = L U by elimination, rows swapped through the whole matrix.
         for j in start..end {
             let pivot = (j..n).max_by(|&p, &q| a[(p, j)].abs().total_cmp(&a[(q, j)].abs()))?;
@@ -31,16 +30,31 @@ pub fn solve(mut a: DMatrix<f64>, mut x: DVector<f64>) -> Option<DVector<f64>> {
             let column = a.view((j + 1, j), (n - j - 1, 1)).into_owned();
             for k in j + 1..end {
                 let factor = a[(j, k)];
+                if factor == 0.0 {
+                    continue;
+                }
                 a.view_mut((j + 1, k), (n - j - 1, 1)).zip_apply(&column, |value, l| *value -= l * factor);
             }
         }
-        // The rows of U to the right of the block, then the remainder: A₂₂ − L₂₁ U₁₂.
+        // The rows of U to the right of the block, then the remainder: A₂₂ − L₂₁ U₁₂. Most of a stiffness matrix is zero: rows
+        // and columns without an entry change nothing.
         let block = a.view((start, start), (end - start, end - start)).into_owned();
-        let mut upper = a.view((start, end), (end - start, rest)).into_owned();
+        let mut has_entry = vec![false; n];
+        for column in start..end {
+            has_entry.iter_mut().zip(&a.column(column)).for_each(|(has, l)| *has |= *l != 0.0);
+        }
+        let rows: Vec<usize> = (end..n).filter(|&i| has_entry[i]).collect();
+        let columns: Vec<usize> = (end..n).filter(|&j| a.view((start, j), (end - start, 1)).amax() > 0.0).collect();
+        let mut upper = DMatrix::from_fn(end - start, columns.len(), |i, j| a[(start + i, columns[j])]);
         block.solve_lower_triangular_with_diag_mut(&mut upper, 1.0);
-        a.view_mut((start, end), (end - start, rest)).copy_from(&upper);
-        let lower = a.view((end, start), (rest, end - start)).into_owned();
-        a.view_mut((end, end), (rest, rest)).gemm(-1.0, &lower, &upper, 1.0);
+        let lower = DMatrix::from_fn(rows.len(), end - start, |i, j| a[(rows[i], start + j)]);
+        let product = lower * &upper;
+        for (k, &j) in columns.iter().enumerate() {
+            a.view_mut((start, j), (end - start, 1)).copy_from(&upper.column(k));
+            for (i, change) in rows.iter().zip(&product.column(k)) {
+                a[(*i, j)] -= change;
+            }
+        }
     }
     a.solve_lower_triangular_with_diag_mut(&mut x, 1.0);
     let solved = a.solve_upper_triangular_mut(&mut x);

@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use figures::Figure;
 use plan::{Body, Extent, Method, PRESSURES, Run};
+use rayon::prelude::*;
 use record::Record;
 use runner::{Runner, seconds};
 use shapes::MeasuredPoint;
@@ -122,13 +123,10 @@ fn report(arguments: &Arguments) -> Outcome<Record> {
     let runs = runs(extent);
     let expected: f64 = runs.iter().map(Run::expected_s).sum();
     let expected = expected + rods::expected_s(extent) + sensitivity::expected_s(extent);
-    let mut runner = Runner::new(&root, &folder.join("runs"), expected)?;
-    let mut solutions = Solutions::default();
-    for run in &runs {
-        solutions.0.push(runner.solve(run)?);
-    }
-    let rods = rods::identify(extent, &mut runner, &solutions)?;
-    let sensitivities = sensitivity::study(extent, &mut runner)?;
+    let runner = Runner::new(&root, &folder.join("runs"), expected)?;
+    let solutions = Solutions(runs.par_iter().map(|run| runner.solve(run)).collect::<Outcome<_>>()?);
+    let rods = rods::identify(extent, &runner, &solutions)?;
+    let sensitivities = sensitivity::study(extent, &runner)?;
     eprintln!("all runs done in {}; drawing", seconds(runner.elapsed()));
 
     let (stress, highest_stresses) = statements::stress_places(extent, &solutions)?;

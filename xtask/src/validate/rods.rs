@@ -1,5 +1,6 @@
 //! The elastica baseline (Fig. 16): its parameters and its distance from the 3D model.
 
+use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::plan::{Body, Extent, Mesh, Method, PRESSURES};
@@ -88,10 +89,10 @@ fn meshes(extent: Extent) -> Vec<Mesh> {
 ///
 /// # Errors
 /// A program that fails, or a file that cannot be read.
-pub fn identify(extent: Extent, runner: &mut Runner, solutions: &Solutions) -> Outcome<Vec<RodResult>> {
+pub fn identify(extent: Extent, runner: &Runner, solutions: &Solutions) -> Outcome<Vec<RodResult>> {
     let all = meshes(extent);
     let share = expected_s(extent) / all.len() as f64;
-    all.into_iter()
+    all.into_par_iter()
         .map(|mesh| {
             let text = runner.rod(Body::Actuator, mesh, share)?;
             let file: RodFile =

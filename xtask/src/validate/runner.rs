@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::plan::{Body, Mesh, Run};
@@ -11,14 +12,16 @@ use super::{Failure, Outcome};
 /// Exit code of the program for a path that could not be followed.
 const NOT_CONVERGED: i32 = 3;
 
-/// Starts the program and reads its results.
+/// Starts the program and reads its results; several at a time may ask it to.
 pub struct Runner {
     program: PathBuf,
     root: PathBuf,
     folder: PathBuf,
     began: Instant,
-    /// Expected seconds of all that is to be done, and of what is done.
-    expected: [f64; 2],
+    /// Expected seconds of all that is to be done.
+    expected_s: f64,
+    /// Expected seconds of what is done.
+    done_s: Mutex<f64>,
 }
 
 impl Runner {
@@ -29,24 +32,21 @@ impl Runner {
     pub fn new(root: &Path, folder: &Path, expected_s: f64) -> Outcome<Self> {
         let program = crate::program::build(root).map_err(Failure::new)?;
         let (root, folder) = (root.to_owned(), folder.to_owned());
-        Ok(Self { program, root, folder, began: Instant::now(), expected: [expected_s.max(1.0), 0.0] })
+        let (expected_s, done_s) = (expected_s.max(1.0), Mutex::new(0.0));
+        Ok(Self { program, root, folder, began: Instant::now(), expected_s, done_s })
     }
 
     /// Solves a case; `None` if the program could not follow the path to its end.
     ///
     /// # Errors
     /// Any other failure of the program, or results that cannot be read.
-    pub fn try_solve(&mut self, run: &Run) -> Outcome<Option<Solution>> {
+    pub fn try_solve(&self, run: &Run) -> Outcome<Option<Solution>> {
         let folder = self.folder.join(&run.name);
         let mut command = self.command("run", run.body, &folder);
         for change in run.settings() {
             command.args(["--set", &change]);
         }
-        self.say(&run.name);
-        let began = Instant::now();
-        let code = finished(&mut command, &run.name, &[0, NOT_CONVERGED])?;
-        self.expected[1] += run.expected_s();
-        eprintln!("    {}", seconds(began.elapsed()));
+        let code = self.timed(&mut command, &run.name, run.expected_s(), &[0, NOT_CONVERGED])?;
         if code == 0 { Solution::read(run.clone(), &folder).map(Some) } else { Ok(None) }
     }
 
@@ -54,7 +54,7 @@ impl Runner {
     ///
     /// # Errors
     /// As [`Runner::try_solve`].
-    pub fn solve(&mut self, run: &Run) -> Outcome<Solution> {
+    pub fn solve(&self, run: &Run) -> Outcome<Solution> {
         self.try_solve(run)?.ok_or_else(|| Failure::new(format!("{}: the program did not converge", run.name)))
     }
 
@@ -62,17 +62,13 @@ impl Runner {
     ///
     /// # Errors
     /// As [`Runner::solve`].
-    pub fn rod(&mut self, body: Body, mesh: Mesh, expected_s: f64) -> Outcome<String> {
+    pub fn rod(&self, body: Body, mesh: Mesh, expected_s: f64) -> Outcome<String> {
         let name = format!("rod-{}-{}", mesh.element, mesh.size);
         let folder = self.folder.join(&name);
         let mut command = self.command("rod", body, &folder);
         let (element, size) = (format!("mesh.element={}", mesh.element), format!("mesh.size={:?}", mesh.size));
         command.args(["--set", &element, "--set", &size]).stdout(std::process::Stdio::null());
-        self.say(&name);
-        let began = Instant::now();
-        finished(&mut command, &name, &[0])?;
-        self.expected[1] += expected_s;
-        eprintln!("    {}", seconds(began.elapsed()));
+        self.timed(&mut command, &name, expected_s, &[0])?;
         let path = folder.join("rod.json");
         std::fs::read_to_string(&path).map_err(|e| Failure::at(&path, e))
     }
@@ -89,13 +85,19 @@ impl Runner {
         command
     }
 
-    fn say(&self, name: &str) {
-        let [all, done] = self.expected;
-        let elapsed = self.began.elapsed().as_secs_f64();
+    /// Runs the program to its end and says how far along all of them are.
+    fn timed(&self, command: &mut Command, name: &str, expected_s: f64, allowed: &[i32]) -> Outcome<i32> {
+        eprintln!("{name} …");
+        let began = Instant::now();
+        let code = finished(command, name, allowed)?;
+        let took = seconds(began.elapsed());
+        let mut done = self.done_s.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += expected_s;
         // The expectation holds for one machine; what is done says how fast this one is.
-        let pace = if done > 0.0 { elapsed / done } else { 1.0 };
-        let left = Duration::from_secs_f64(((all - done) * pace).max(0.0));
-        eprintln!("[{:3.0} %, about {} left] {name}", 100.0 * (done / all).min(0.99), seconds(left));
+        let pace = self.elapsed().as_secs_f64() / *done;
+        let left = seconds(Duration::from_secs_f64(((self.expected_s - *done) * pace).max(0.0)));
+        eprintln!("[{:3.0} %, about {left} left] {name}: {took}", 100.0 * (*done / self.expected_s).min(0.99));
+        Ok(code)
     }
 }
 

@@ -1,6 +1,7 @@
 //! How far the 50 kPa bending angle hangs on the lengths that are our own reading of the paper.
 
 use pneuflex::mesh::Actuator;
+use rayon::prelude::*;
 
 use super::Outcome;
 use super::plan::{Body, Extent, Mesh, Method, REFINED, Run};
@@ -64,15 +65,15 @@ pub fn expected_s(extent: Extent) -> f64 {
 ///
 /// # Errors
 /// A program that fails otherwise than by not converging.
-pub fn study(extent: Extent, runner: &mut Runner) -> Outcome<Vec<Sensitivity>> {
-    let mut all: Vec<(Length, Sensitivity)> = Vec::new();
+pub fn study(extent: Extent, runner: &Runner) -> Outcome<Vec<Sensitivity>> {
     let mesh = extent.sensitivity_mesh();
     let centre = angle(runner, &unchanged(mesh))?;
-    for length in lengths() {
+    let on_first = |length: Length| -> Outcome<(Length, Sensitivity)> {
         let on = on_mesh(runner, mesh, &length, centre)?;
         let found = Sensitivity { name: length.name.into(), value_mm: length.value, angles_deg: vec![on] };
-        all.push((length, found));
-    }
+        Ok((length, found))
+    };
+    let mut all = lengths().into_par_iter().map(on_first).collect::<Outcome<Vec<_>>>()?;
     all.sort_by(|a, b| b.1.angles_deg[0].largest_change().total_cmp(&a.1.angles_deg[0].largest_change()));
     if extent == Extent::Full {
         let centre = angle(runner, &unchanged(REFINED))?;
@@ -83,12 +84,12 @@ pub fn study(extent: Extent, runner: &mut Runner) -> Outcome<Vec<Sensitivity>> {
     Ok(all.into_iter().map(|(_, found)| found).collect())
 }
 
-fn angle(runner: &mut Runner, run: &Run) -> Outcome<f64> {
+fn angle(runner: &Runner, run: &Run) -> Outcome<f64> {
     Ok(runner.solve(run)?.step(PRESSURE)?.end_face_angle_deg)
 }
 
-fn on_mesh(runner: &mut Runner, mesh: Mesh, length: &Length, centre: f64) -> Outcome<SensitivityOn> {
-    let mut angle = |factor: f64| -> Outcome<Option<f64>> {
+fn on_mesh(runner: &Runner, mesh: Mesh, length: &Length, centre: f64) -> Outcome<SensitivityOn> {
+    let angle = |factor: f64| -> Outcome<Option<f64>> {
         let solved = runner.try_solve(&run(mesh, length, factor))?;
         solved.map(|s| s.step(PRESSURE).map(|step| step.end_face_angle_deg)).transpose()
     };
