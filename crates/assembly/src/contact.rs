@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use pneuflex_contact::{ContactBlock, ContactModel, evaluate_block, predicted_tractions};
+use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block, predicted_tractions};
 use pneuflex_mesh::Mesh;
-use pneuflex_model::Problem;
+use pneuflex_model::load::Motion;
+use pneuflex_model::{LoadParameter, Problem};
 
-use crate::contribution::{Contribution, Mixed, Position, Prediction, Unilateral};
+use crate::contribution::{Contribution, Mixed, Position, Prediction, RigidMotion, Unilateral};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// The face pairs that touch at the position taken last.
@@ -16,8 +17,10 @@ pub struct ContactForces {
     mesh: Arc<Mesh>,
     /// Touching pairs of faces.
     blocks: Vec<ContactBlock>,
-    /// Where they were found: positions of the nodes, mm.
+    /// Where they were found: positions of the nodes, mm,
     positions: Vec<[f64; 3]>,
+    /// and on the load path.
+    parameter: LoadParameter,
     /// Traction of every contact point in the tangent's geometric term, MPa.
     carried: Vec<f64>,
 }
@@ -27,7 +30,14 @@ impl ContactForces {
     pub fn of(problem: &Problem) -> Self {
         let model = ContactModel::of(problem);
         let carried = vec![0.0; model.num_points()];
-        Self { model, mesh: problem.mesh.clone(), blocks: Vec::new(), positions: Vec::new(), carried }
+        Self {
+            model,
+            mesh: problem.mesh.clone(),
+            blocks: Vec::new(),
+            positions: Vec::new(),
+            parameter: LoadParameter::default(),
+            carried,
+        }
     }
 
     /// Touching pairs of faces at the position taken last.
@@ -46,9 +56,11 @@ impl Contribution for ContactForces {
     }
 
     fn set_position(&mut self, position: Position<'_>) {
+        self.parameter = position.parameter;
         self.model.set_parameter(position.parameter);
         self.positions = self.mesh.deformed(position.displacement);
-        self.blocks = self.model.search(&self.positions);
+        let kept = if position.is_on_the_way { self.model.kept_distances(&self.carried) } else { Vec::new() };
+        self.blocks = self.model.search_keeping(&self.positions, &kept);
         for point in self.blocks.iter_mut().flat_map(|block| &mut block.points) {
             point.traction = self.carried[point.number];
         }
@@ -75,8 +87,10 @@ impl Mixed for ContactForces {
     fn predict(&mut self, prediction: &Arc<Prediction>) {
         self.carried.fill(0.0);
         if let Some(correction) = &prediction.correction {
+            let moved = prediction.motion.map_or_else(Vec::new, |[from, to]| self.model.moved(from, to));
             for block in &self.blocks {
-                for (number, traction) in predicted_tractions(&self.model, block, &self.positions, correction) {
+                let predicted = predicted_tractions(&self.model, block, &self.positions, correction, &moved);
+                for (number, traction) in predicted {
                     self.carried[number] = traction;
                 }
             }
@@ -109,9 +123,28 @@ impl Unilateral for ContactForces {
         self.model.near_face_pairs(&self.positions)
     }
 
-    fn deepest_penetration(&self, displacement: &[[f64; 3]]) -> f64 {
-        let blocks = self.found_at(displacement);
+    fn deepest_penetration(&mut self, position: Position<'_>) -> f64 {
+        self.model.set_parameter(position.parameter);
+        let blocks = self.found_at(position.displacement);
+        self.model.set_parameter(self.parameter);
         blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
+    }
+
+    fn motions(&self) -> Vec<RigidMotion> {
+        let of_obstacle = |(number, motion): (usize, &Motion)| {
+            let mut column = vec![[0.0; 3]; self.mesh.num_nodes()];
+            for block in self.blocks.iter().filter(|block| block.partner == Partner::Obstacle(number)) {
+                // A point that moves with the obstacle feels nothing: what the obstacle does is minus what the whole block would.
+                let tangent = evaluate_block(&self.model, block, &self.positions, true).tangent;
+                let size = 3 * block.nodes.len();
+                for (row, of_row) in tangent.chunks_exact(size).enumerate() {
+                    let change: f64 = of_row.iter().enumerate().map(|(j, k)| k * motion.displacement[j % 3]).sum();
+                    column[block.nodes[row / 3] as usize][row % 3] -= change;
+                }
+            }
+            RigidMotion { curve: motion.curve.clone(), column }
+        };
+        self.model.motions().map(of_obstacle).collect()
     }
 
     fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_model::LoadParameter;
+use pneuflex_model::{Curve, LoadParameter};
 
 use crate::boundary_term::Couplings;
 use crate::local::{LocalContribution, LocalError};
@@ -20,6 +20,8 @@ pub struct Position<'a> {
     pub displacement: &'a [[f64; 3]],
     /// Unknowns beside the displacements, those of one contribution or of all.
     pub bordered: &'a [f64],
+    /// Whether it is one of Newton's method on its way: contact then keeps points for which the linear system predicts traction.
+    pub is_on_the_way: bool,
 }
 
 /// A contribution to the energy and the residual.
@@ -124,12 +126,23 @@ pub trait Mixed {
 }
 
 /// What the stresses of a mixed linearisation follow from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prediction {
     /// Displacements, mm, one entry per node.
     pub displacement: Vec<[f64; 3]>,
     /// The correction that the linear system found there, mm; `None` for the stresses of the displacement itself.
     pub correction: Option<Vec<[f64; 3]>>,
+    /// Positions on the load path that obstacles move between meanwhile, if they do.
+    pub motion: Option<[LoadParameter; 2]>,
+}
+
+/// Something rigid that moves with the load parameter, and what that does to the body.
+#[derive(Clone, Debug)]
+pub struct RigidMotion {
+    /// Its factor along the load path.
+    pub curve: Curve,
+    /// Change of the residual per unit of the factor, N, one entry per node: with the tangent's part K_qm, K_qm times the whole motion.
+    pub column: Vec<[f64; 3]>,
 }
 
 /// Points that must not pass through what is in their way.
@@ -143,8 +156,11 @@ pub trait Unilateral {
     /// Nodes of the blocks that may soon be there beside those that are: the tangent's pattern needs room for them.
     fn near_nodes(&self) -> Vec<Vec<u32>>;
 
-    /// Largest penetration at a displacement under the load parameter taken last, mm; 0 where nothing touches.
-    fn deepest_penetration(&self, displacement: &[[f64; 3]]) -> f64;
+    /// Largest penetration at a position, which is not taken, mm; 0 where nothing touches.
+    fn deepest_penetration(&mut self, position: Position<'_>) -> f64;
+
+    /// What its moving obstacles do to the body, linearised at the position taken last.
+    fn motions(&self) -> Vec<RigidMotion>;
 
     /// Tractions ⟨λ − k d⟩ of all points at a displacement, MPa, and the largest |d| of those that carry one, mm.
     fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64);

@@ -3,12 +3,20 @@
 use std::sync::Arc;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Contact, ContactPair, LoadParameter, Obstacle, Problem};
+use pneuflex_model::load::Motion;
+use pneuflex_model::{Contact, ContactPair, LoadParameter, Material, Obstacle, Problem};
 
 use crate::contact_block::Partner;
 use crate::obstacle::{Distance, distance};
+use crate::search::TOUCHING;
 use crate::surface::Surface;
 use crate::surface_pair::{SurfacePair, point_areas};
+
+/// Penalties up to this multiple of the body's own stiffness decide alone which points touch: they do it in fewer iterations.
+const SOFT: f64 = 8.0;
+
+/// Points are kept in contact up to this share of the nodes' spacing at the most: further away the foot may be another one.
+const MOST_KEPT: f64 = 0.1;
 
 /// Surfaces, obstacles, laws and multipliers of a problem's contact.
 #[derive(Clone, Debug)]
@@ -17,6 +25,10 @@ pub struct ContactModel {
     pub(crate) obstacles: Vec<Rigid>,
     /// Traction λ of every point that is there without any penetration, MPa; empty for a plain penalty.
     multipliers: Vec<f64>,
+    /// Points nearer than this touch, mm.
+    pub(crate) touching: f64,
+    /// Stiffness of the body against a pressure on a spot of it, N/mm³: the softest material's shear modulus over the mean spacing of the nodes.
+    body_stiffness: f64,
     pub(crate) mesh: Arc<Mesh>,
 }
 
@@ -35,8 +47,10 @@ pub(crate) struct Rigid {
 impl ContactModel {
     /// Sets up the contact of a problem.
     pub fn of(problem: &Problem) -> Self {
-        Self::new(Arc::clone(&problem.mesh), &problem.contact_pairs, &problem.contact)
-            .with_obstacles(&problem.obstacles)
+        let moduli = problem.materials().0.into_iter().map(Material::shear_modulus);
+        let body_stiffness = moduli.fold(f64::INFINITY, f64::min) / problem.mesh.mean_node_spacing();
+        let model = Self::new(Arc::clone(&problem.mesh), &problem.contact_pairs, &problem.contact);
+        Self { body_stiffness, ..model }.with_obstacles(&problem.obstacles)
     }
 
     /// Sets up the contact of the given pairs of facets; `contact` is the law of those that have none of their own.
@@ -49,7 +63,15 @@ impl ContactModel {
             points += of_pair.iter().map(SurfacePair::num_points).sum::<usize>();
             surface_pairs.extend(of_pair);
         }
-        Self { surface_pairs, obstacles: Vec::new(), multipliers: Vec::new(), mesh }
+        let touching = TOUCHING * mesh.mean_node_spacing();
+        Self {
+            surface_pairs,
+            obstacles: Vec::new(),
+            multipliers: Vec::new(),
+            touching,
+            body_stiffness: f64::INFINITY,
+            mesh,
+        }
     }
 
     /// The same with obstacles, at the places where they begin.
@@ -62,6 +84,46 @@ impl ContactModel {
             self.obstacles.push(Rigid { obstacle: obstacle.clone(), surface, offset, rule, areas, first_point });
         }
         self
+    }
+
+    /// Distances up to which points stay in contact while Newton's method has not converged, mm, from the traction t (MPa) that the linear
+    /// system predicts for each: a point stays where t + c (−d − t/k) > 0.
+    ///
+    /// This is the primal-dual active set of a penalty k. With c = k a point leaves as soon as its distance is positive; after a correction
+    /// that distance is t/k less than what the linear system leaves out, and under a stiff penalty only that decides: points leave and come
+    /// back in turn. With c of the order of the body's own stiffness the decision does not depend on k (Hintermüller, Ito & Kunisch 2002,
+    /// *SIAM J. Optim.* 13; Wriggers 2006, *Computational Contact Mechanics*, §10.4).
+    pub fn kept_distances(&self, tractions: &[f64]) -> Vec<f64> {
+        let most = MOST_KEPT * self.mesh.mean_node_spacing();
+        let mut kept = vec![0.0; tractions.len()];
+        let mut keep = |first: usize, count: usize, stiffness: f64| {
+            let is_stiff = stiffness > SOFT * self.body_stiffness;
+            let flexibility = if is_stiff { 1.0 / self.body_stiffness - 1.0 / stiffness } else { 0.0 };
+            for number in first..first + count {
+                kept[number] = (tractions[number] * flexibility).min(most);
+            }
+        };
+        for pair in &self.surface_pairs {
+            keep(pair.first_point, pair.areas.len(), pair.stiffness);
+        }
+        for rigid in &self.obstacles {
+            keep(rigid.first_point, rigid.areas.len(), rigid.obstacle.stiffness);
+        }
+        kept
+    }
+
+    /// Where the obstacles have moved between two positions on the load path, mm.
+    pub fn moved(&self, from: LoadParameter, to: LoadParameter) -> Vec<[f64; 3]> {
+        let moved = |rigid: &Rigid| {
+            let (before, after) = (rigid.obstacle.offset(from), rigid.obstacle.offset(to));
+            std::array::from_fn(|d| after[d] - before[d])
+        };
+        self.obstacles.iter().map(moved).collect()
+    }
+
+    /// The obstacles that move: number, and motion.
+    pub fn motions(&self) -> impl Iterator<Item = (usize, &Motion)> {
+        self.obstacles.iter().enumerate().filter_map(|(number, rigid)| Some((number, rigid.obstacle.motion.as_ref()?)))
     }
 
     /// Moves the obstacles to where they are at a position on the load path.

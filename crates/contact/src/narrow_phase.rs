@@ -17,7 +17,7 @@ pub fn single_blocks(
     model: &ContactModel,
     number: usize,
     faces: Range<usize>,
-    positions: &[[f64; 3]],
+    (positions, kept): (&[[f64; 3]], &[f64]),
     margin: f64,
 ) -> Vec<ContactBlock> {
     let surface_pair = model.surface_pair(number);
@@ -29,7 +29,7 @@ pub fn single_blocks(
         let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
         let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
         let shift = model.shift(surface_pair.first_point + face, surface_pair.stiffness);
-        if distance < margin + shift {
+        if distance < margin + shift + kept_at(kept, surface_pair.first_point + face) {
             let point = ContactPoint {
                 slave_xi: kind.centre(),
                 area: surface_pair.areas[face],
@@ -43,6 +43,11 @@ pub fn single_blocks(
         }
     }
     blocks
+}
+
+/// Distance up to which a point is kept in contact, mm.
+pub fn kept_at(kept: &[f64], number: usize) -> f64 {
+    kept.get(number).copied().unwrap_or(0.0)
 }
 
 fn block(
@@ -61,6 +66,7 @@ pub struct Facing<'a> {
     surface_pair: &'a SurfacePair,
     rest: &'a [[f64; 3]],
     positions: &'a [[f64; 3]],
+    kept: &'a [f64],
     margin: f64,
     /// Of the master's faces, with room for their continuation.
     boxes: Vec<Bounds>,
@@ -75,7 +81,7 @@ impl<'a> Facing<'a> {
     pub fn new(
         surface_pair: &'a SurfacePair,
         rest: &'a [[f64; 3]],
-        positions: &'a [[f64; 3]],
+        (positions, kept): (&'a [[f64; 3]], &'a [f64]),
         margin: f64,
     ) -> Option<Self> {
         let (slave, master) = (&surface_pair.slave, &surface_pair.master);
@@ -92,6 +98,7 @@ impl<'a> Facing<'a> {
             surface_pair,
             rest,
             positions,
+            kept,
             margin,
             tree: FaceTree::new(&boxes),
             boxes,
@@ -115,9 +122,10 @@ impl<'a> Facing<'a> {
             let nodes = slave.face_positions(face, self.positions);
             let nodes = &nodes[..kind.num_nodes()];
             let first = first_point + face * rule.len();
-            let shift = (first..first + rule.len()).map(|i| model.shift(i, *stiffness)).fold(0.0, f64::max);
+            let room = |i: usize| model.shift(i, *stiffness) + kept_at(self.kept, i);
+            let most_room = (first..first + rule.len()).map(room).fold(0.0, f64::max);
             // Far from contact, most faces are told apart without a projection.
-            if candidates.iter().all(|&m| self.slabs[m].is_clear(kind, nodes, self.margin + shift)) {
+            if candidates.iter().all(|&m| self.slabs[m].is_clear(kind, nodes, self.margin + most_room)) {
                 continue;
             }
             let first_block = blocks.len();
@@ -131,7 +139,7 @@ impl<'a> Facing<'a> {
                 let found = self.closest(&candidates, &mut order, geometry.position, slave_point.as_ref());
                 let Some((master_face, foot)) = found else { continue };
                 let shift = model.shift(first + index, *stiffness);
-                if foot.distance >= self.margin + shift || foot.distance < -*reach {
+                if foot.distance >= self.margin + room(first + index) || foot.distance < -*reach {
                     continue;
                 }
                 if slave_point.is_some_and(|slave| self.is_far_side(face, &near, geometry.position, &slave, &foot)) {

@@ -83,7 +83,8 @@ pub fn evaluate_block(
     out
 }
 
-/// Traction that the linearised distance predicts for every touching point, MPa: ⟨λ − k (d + ∇d·δu)⟩, with the point's number.
+/// Traction that the linearised distance predicts for every touching point, MPa: ⟨λ − k (d + ∇d·δu)⟩, with the point's number. `moved` says
+/// by how much the obstacles move meanwhile (mm, one entry each, or none).
 ///
 /// A solver that carries it in the tangent's geometric term (see [`ContactPoint::traction`]) survives the deep
 /// interpenetration of a first guess: the distance may be far off, what the linear system makes of it is not.
@@ -92,15 +93,20 @@ pub fn predicted_tractions(
     block: &ContactBlock,
     positions: &[[f64; 3]],
     correction: &[[f64; 3]],
+    moved: &[[f64; 3]],
 ) -> Vec<(usize, f64)> {
     let stiffness = model.stiffness(block.partner);
     let mut scratch = DistanceDerivatives { distance: 0.0, gradient: [0.0; MAX_DOFS], hessian: Vec::new() };
+    let partner = match block.partner {
+        Partner::Obstacle(number) => moved.get(number).copied().unwrap_or_default(),
+        Partner::Face { .. } => [0.0; 3],
+    };
     let predict = |point: &ContactPoint| {
         distance_derivatives(model, block, point, positions, &mut scratch);
         let mut distance = scratch.distance - point.shift;
         for (i, &node) in block.nodes.iter().enumerate() {
             for k in 0..3 {
-                distance += scratch.gradient[3 * i + k] * correction[node as usize][k];
+                distance += scratch.gradient[3 * i + k] * (correction[node as usize][k] - partner[k]);
             }
         }
         (point.number, (-stiffness * distance).max(0.0))

@@ -6,14 +6,14 @@ use rayon::prelude::*;
 
 use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::{ContactModel, Rigid};
-use crate::narrow_phase::{Facing, single_blocks};
+use crate::narrow_phase::{Facing, kept_at, single_blocks};
 use crate::obstacle::distance;
 use crate::projection::{dot, face_geometry, sub};
 use crate::surface_pair::SurfacePair;
 
-/// Points nearer than this count as touching, mm: bodies that rest on each other without any pressure hold each other in the tangent.
+/// Points nearer than this share of the nodes' spacing count as touching: bodies that rest on each other without any pressure hold each other in the tangent.
 /// The traction that this invents, k times as much, is far below every tolerance.
-const TOUCHING: f64 = 1e-9;
+pub const TOUCHING: f64 = 1e-9;
 
 /// Slave faces that one task looks at.
 const CHUNK: usize = 32;
@@ -21,9 +21,16 @@ const CHUNK: usize = 32;
 impl ContactModel {
     /// All touching points at the given node positions, grouped by faces, in a fixed order.
     pub fn search(&self, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
-        let mut blocks = self.face_blocks(positions, |_| TOUCHING);
+        self.search_keeping(positions, &[])
+    }
+
+    /// The same with those points that are kept in contact up to a distance of their own, mm; `kept` holds one per point of the model, or is
+    /// empty for none. See [`Self::kept_distances`].
+    pub fn search_keeping(&self, positions: &[[f64; 3]], kept: &[f64]) -> Vec<ContactBlock> {
+        let mut blocks = self.face_blocks(positions, kept, |_| self.touching);
         blocks.par_extend(self.obstacles.par_iter().enumerate().flat_map_iter(|(number, rigid)| {
-            (0..rigid.surface.num_faces()).filter_map(move |face| self.obstacle_block(number, rigid, face, positions))
+            (0..rigid.surface.num_faces())
+                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, kept)))
         }));
         blocks
     }
@@ -32,15 +39,23 @@ impl ContactModel {
     ///
     /// A slave face belongs with a master face if one of its points, close enough to it, has its foot there.
     pub fn near_face_pairs(&self, positions: &[[f64; 3]]) -> Vec<Vec<u32>> {
-        self.face_blocks(positions, |surface_pair| surface_pair.near).into_iter().map(|block| block.nodes).collect()
+        self.face_blocks(positions, &[], |surface_pair| surface_pair.near)
+            .into_iter()
+            .map(|block| block.nodes)
+            .collect()
     }
 
     /// Points nearer to their foot than a margin that depends on the surface pair.
-    fn face_blocks(&self, positions: &[[f64; 3]], margin: impl Fn(&SurfacePair) -> f64 + Sync) -> Vec<ContactBlock> {
+    fn face_blocks(
+        &self,
+        positions: &[[f64; 3]],
+        kept: &[f64],
+        margin: impl Fn(&SurfacePair) -> f64 + Sync,
+    ) -> Vec<ContactBlock> {
         let facing: Vec<Option<Facing<'_>>> = (self.surface_pairs.par_iter())
             .map(|surface_pair| match surface_pair.method {
                 ContactMethod::MultiPoint => {
-                    Facing::new(surface_pair, &self.mesh.nodes, positions, margin(surface_pair))
+                    Facing::new(surface_pair, &self.mesh.nodes, (positions, kept), margin(surface_pair))
                 }
                 _ => None,
             })
@@ -54,7 +69,9 @@ impl ContactModel {
             let surface_pair = &self.surface_pairs[number];
             let faces = first..surface_pair.slave.num_faces().min(first + CHUNK);
             match (surface_pair.method, &facing[number]) {
-                (ContactMethod::SinglePoint, _) => single_blocks(self, number, faces, positions, margin(surface_pair)),
+                (ContactMethod::SinglePoint, _) => {
+                    single_blocks(self, number, faces, (positions, kept), margin(surface_pair))
+                }
                 (_, Some(facing)) => facing.blocks(self, number, faces),
                 (_, None) => Vec::new(),
             }
@@ -67,33 +84,35 @@ impl ContactModel {
         number: usize,
         rigid: &Rigid,
         face: usize,
-        positions: &[[f64; 3]],
+        (positions, kept): (&[[f64; 3]], &[f64]),
     ) -> Option<ContactBlock> {
         let Rigid { obstacle, surface, offset, rule, areas, first_point } = rigid;
         let kind = surface.kind;
         let n = kind.num_nodes();
         let nodes = &surface.face_positions(face, positions)[..n];
         let first = face * rule.len();
-        let most_shift =
-            (first..first + rule.len()).map(|i| self.shift(first_point + i, obstacle.stiffness)).fold(0.0, f64::max);
+        let room = |number: usize, shift: f64| shift + kept_at(kept, number);
+        let points = first_point + first..first_point + first + rule.len();
+        let most_room = points.map(|i| room(i, self.shift(i, obstacle.stiffness))).fold(0.0, f64::max);
         // The distance changes by no more than the way one moves.
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
         let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + kind.bulge) * radius;
-        if nearest > TOUCHING + most_shift {
+        if nearest > self.touching + most_room {
             return None;
         }
         let touching = rule.iter().enumerate().filter_map(|(index, &(slave_xi, _))| {
             let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
             let distance = distance(&obstacle.shape, *offset, position).value;
-            let shift = self.shift(first_point + first + index, obstacle.stiffness);
-            (distance < TOUCHING + shift).then(|| ContactPoint {
+            let number = first_point + first + index;
+            let shift = self.shift(number, obstacle.stiffness);
+            (distance < self.touching + room(number, shift)).then(|| ContactPoint {
                 slave_xi,
                 area: areas[first + index],
                 master_xi: [0.0; 2],
                 distance,
                 shift,
-                number: first_point + first + index,
+                number,
                 traction: -obstacle.stiffness * (distance - shift),
             })
         });

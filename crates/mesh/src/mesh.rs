@@ -186,6 +186,11 @@ impl Mesh {
         (self.volume() / self.num_elements().max(1) as f64).cbrt()
     }
 
+    /// Mean distance of neighbouring nodes, mm: the cube root of the volume per node, about half an element's size for quadratic ones.
+    pub fn mean_node_spacing(&self) -> f64 {
+        (self.volume() / self.num_nodes().max(1) as f64).cbrt()
+    }
+
     /// Positions of the nodes at a displacement (one entry per node), mm.
     pub fn deformed(&self, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
         self.nodes.iter().zip(displacement).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect()

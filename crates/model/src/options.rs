@@ -106,7 +106,7 @@ pub struct Probe {
 /// Solver settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solver {
-    /// Convergence: ‖\[Δq; Δλ\]‖ (mm, N) below this.
+    /// Convergence: ‖\[Δq; Δλ\]‖ below this, with lengths in mean spacings h of the nodes and forces in μ h², μ the shear modulus.
     pub tolerance: f64,
     /// Convergence: residual norm relative to the norm of the pressure forces below this.
     pub residual_tolerance: f64,

@@ -9,7 +9,7 @@ use crate::state::State;
 use crate::system::System;
 use crate::tangent_solver::Assembled;
 
-/// Residuals below this are rounding, N: it bounds the relative tolerance from below where the load is tiny.
+/// Residuals below this share of [`Scales::force`] are rounding: it bounds the relative tolerance from below where the load is tiny.
 const RESIDUAL_FLOOR: f64 = 1e-9;
 
 /// Rounding is accepted in the residual up to this multiple of the tolerance asked for.
@@ -19,13 +19,18 @@ const MOST_ROUNDING: f64 = 10.0;
 /// grow with the root of their number.
 const FEW_UNKNOWNS: f64 = 1e4;
 
-/// What is known of the body before anything is solved.
+/// What is known of the body before anything is solved. What the solver calls small or large is measured by it, so that nothing depends on
+/// the unit of length or force.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
     /// Largest extent of the body, mm.
     pub size: f64,
+    /// Mean spacing h of the nodes, mm.
+    pub length: f64,
+    /// Force on a square with this side under a stress of the shear modulus μ, N: μ h², with the stiffest material's.
+    pub force: f64,
     /// Residual that rounding leaves per mm of the body's extent, N/mm.
-    rounding_per_mm: f64,
+    pub(crate) rounding_per_mm: f64,
     /// Stretching by a correction after which the state is good enough to go on from.
     pub inexact_stretch: f64,
 }
@@ -35,9 +40,20 @@ impl Scales {
     pub fn of(problem: &Problem, tuning: &Tuning) -> Self {
         let materials = problem.materials().0;
         let bulk_modulus = materials.iter().map(|material| material.bulk_modulus).fold(0.0, f64::max);
-        let nodes = problem.mesh.num_nodes() as f64;
-        let rounding_per_mm = f64::EPSILON * bulk_modulus * problem.mesh.mean_element_size() * nodes.sqrt();
-        Self { size: problem.mesh.extent(), rounding_per_mm, inexact_stretch: inexact_stretch(&materials, tuning) }
+        let shear_modulus = materials.iter().map(|material| material.shear_modulus()).fold(0.0, f64::max);
+        let (nodes, length) = (problem.mesh.num_nodes() as f64, problem.mesh.mean_node_spacing());
+        Self {
+            size: problem.mesh.extent(),
+            length,
+            force: shear_modulus * length * length,
+            rounding_per_mm: f64::EPSILON * bulk_modulus * problem.mesh.mean_element_size() * nodes.sqrt(),
+            inexact_stretch: inexact_stretch(&materials, tuning),
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of_unit_cube() -> Self {
+        Self { size: 1.0, length: 1.0, force: 1.0, rounding_per_mm: 0.0, inexact_stretch: 0.05 }
     }
 
     /// Residual norm that rounding leaves, N: positions x are known to ε|x|, their gradients to ε|x|/h with the element size h,
@@ -65,7 +81,9 @@ pub struct Criteria {
     /// What a correction cannot fall below once the residual is rounding.
     rounded_tolerance: f64,
     residual_tolerance: f64,
-    /// Whether supports or cavities drive the body: what the loads were at the guess says little then.
+    /// Residual that nothing is small against, N.
+    floor: f64,
+    /// Whether supports, obstacles or cavities drive the body: what the loads were at the guess says little then.
     is_driven: bool,
 }
 
@@ -89,6 +107,7 @@ impl Criteria {
             tolerance: settings.tolerance,
             rounded_tolerance: settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0),
             residual_tolerance: settings.residual_tolerance,
+            floor: RESIDUAL_FLOOR * scales.force,
             is_driven: has_motion || !start.bordered.is_empty(),
         })
     }
@@ -101,7 +120,7 @@ impl Criteria {
     /// What residuals are compared with where the supports' forces have a norm (N).
     pub fn scale(&self, supports: f64) -> f64 {
         let driven = if self.is_driven { supports } else { 0.0 };
-        self.load.max(driven).max(RESIDUAL_FLOOR)
+        self.load.max(driven).max(self.floor)
     }
 
     /// Whether a correction is small enough for the residual after it to be worth a look.
@@ -120,7 +139,7 @@ impl Criteria {
         let driven =
             if self.is_driven { system.load_norm(state)?.max(system.held_norm(&assembled.residual)) } else { 0.0 };
         let tolerance = self.residual_tolerance * self.load.max(driven);
-        Ok(system.free_norm(&assembled.residual) <= tolerance.max(self.rounding).max(RESIDUAL_FLOOR))
+        Ok(system.free_norm(&assembled.residual) <= tolerance.max(self.rounding).max(self.floor))
     }
 }
 
@@ -129,17 +148,13 @@ mod tests {
     use super::*;
     use crate::testing::{Springs, cube};
 
-    fn scales() -> Scales {
-        Scales { size: 1.0, rounding_per_mm: 0.0, inexact_stretch: 0.05 }
-    }
-
     #[test]
     fn a_state_is_an_equilibrium_when_residual_and_constraint_are_small() {
         let mesh = cube();
         let settings = Solver::default();
         let mut system = Springs::new(&mesh, 4.0).system(&mesh);
         let mut state = State::at_rest(8, 0).moved_to(2.0.into());
-        let criteria = Criteria::new(&mut system, &settings, &scales(), &state, false).unwrap();
+        let criteria = Criteria::new(&mut system, &settings, &Scales::of_unit_cube(), &state, false).unwrap();
         // 2 N along x at seven free nodes.
         assert!((criteria.load - 28.0_f64.sqrt()).abs() < 1e-12, "{}", criteria.load);
         let assembled = system.residual(&state).unwrap();
@@ -152,7 +167,7 @@ mod tests {
         let mut system = Springs::new(&mesh, 4.0).constrained().system(&mesh);
         let mut state = State::new(1.4, vec![[0.2, 0.0, 0.0]; 8], vec![-0.8]);
         state.displacement[0] = [0.0; 3];
-        let criteria = Criteria::new(&mut system, &settings, &scales(), &state, false).unwrap();
+        let criteria = Criteria::new(&mut system, &settings, &Scales::of_unit_cube(), &state, false).unwrap();
         let assembled = system.residual(&state).unwrap();
         assert!(criteria.are_met(&mut system, &state, &assembled).unwrap());
         let elsewhere = state.moved_to(1.5.into());
@@ -165,7 +180,7 @@ mod tests {
         let mesh = cube();
         let mut system = Springs::new(&mesh, 4.0).system(&mesh);
         let state = State::at_rest(8, 0).moved_to(2.0.into());
-        let criteria = Criteria::new(&mut system, &Solver::default(), &scales(), &state, false).unwrap();
+        let criteria = Criteria::new(&mut system, &Solver::default(), &Scales::of_unit_cube(), &state, false).unwrap();
         for norm in [f64::NAN, f64::INFINITY, 1.0] {
             assert!(!criteria.may_be_met(&Measures { norm, ..Measures::default() }), "{norm}");
         }

@@ -6,6 +6,7 @@
 
 use pneuflex_model::Solver;
 
+use crate::convergence::Scales;
 use crate::failure::Cause;
 use crate::rotation_update::Extent;
 
@@ -17,7 +18,7 @@ pub struct Tuning {
     pub runaway: f64,
     /// A correction with more stretching or rotation comes from a tangent that is nearly singular, and leads nowhere.
     pub hopeless: Extent,
-    /// Corrections smaller than this are not hopeless, mm.
+    /// Corrections smaller than this are not hopeless; like all lengths here in mean spacings of the nodes, [`Scales::length`].
     pub harmless: f64,
     /// From this iteration on, a correction that is not smaller than [`Self::not_smaller`] times the one [`Self::circle`] tangents before is
     /// halved: contact points that open and close in turn let Newton's method run in circles.
@@ -26,7 +27,7 @@ pub struct Tuning {
     pub circle: usize,
     /// See [`Self::circling_from`].
     pub not_smaller: f64,
-    /// Once a correction moves no node further than this (mm), the factor at hand is tried for the next ones.
+    /// Once a correction moves no node further than this, the factor at hand is tried for the next ones.
     pub modified_below: f64,
     /// Corrections in a row with the same factor, at the most.
     pub most_modified: usize,
@@ -34,15 +35,15 @@ pub struct Tuning {
     pub modified_contraction: f64,
     /// Guesses are shortened to this stretching and rotation at any point: Newton's method hardly returns from further away.
     pub guess: Extent,
-    /// Guesses are shortened where they would drive walls deeper than this into each other, mm.
+    /// Guesses are shortened where they would drive walls deeper than this into each other.
     pub guess_penetration: f64,
     /// By how much a guess is shortened at a time.
     pub shortening: f64,
     /// By how much at the most.
     pub shortest: f64,
-    /// A step on the way is good enough (inexact Newton) when no node moves further than this, mm,
+    /// A step on the way is good enough (inexact Newton) when no node moves further than this,
     pub inexact_displacement: f64,
-    /// and nothing is stretched further than this: in small elements 0.1 mm would leave stresses from which there is no going on.
+    /// and nothing is stretched further than this: in thin elements the displacement alone would leave stresses from which there is no going on.
     pub inexact_stretch: f64,
     /// Materials whose bulk modulus is a larger multiple of the shear modulus than this allow the less stretching, the less they allow of a
     /// change of volume.
@@ -58,18 +59,18 @@ impl Default for Tuning {
         Self {
             runaway: 1e3,
             hopeless: Extent { stretch: 0.7, angle: 1.5 },
-            harmless: 0.1,
+            harmless: 0.12,
             circling_from: 8,
             circle: 3,
             not_smaller: 0.7,
-            modified_below: 0.05,
+            modified_below: 0.06,
             most_modified: 8,
             modified_contraction: 0.5,
             guess: Extent { stretch: 0.2, angle: 0.7 },
-            guess_penetration: 0.2,
+            guess_penetration: 0.24,
             shortening: 0.7,
             shortest: 0.03,
-            inexact_displacement: 0.1,
+            inexact_displacement: 0.12,
             inexact_stretch: 0.05,
             inexact_modulus_ratio: 2e4,
             step_after_polishing: 0.25,
@@ -106,9 +107,9 @@ pub enum Verdict {
 /// Measures of a correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// ‖\[Δq; Δλ\]‖, mm and N.
+    /// ‖\[Δq; Δλ\]‖ with lengths in [`Scales::length`] and forces in [`Scales::force`].
     pub norm: f64,
-    /// Largest component of Δq, mm.
+    /// Largest component of Δq, in [`Scales::length`].
     pub largest: f64,
     /// Residual norm before it, N.
     pub residual: f64,
@@ -120,7 +121,7 @@ pub struct Measures {
 pub struct Globalisation<'a> {
     tuning: &'a Tuning,
     settings: &'a Solver,
-    /// Largest extent of the body, mm.
+    /// Largest extent of the body, in [`Scales::length`].
     size: f64,
     choice: Choice,
     iteration: usize,
@@ -139,16 +140,16 @@ pub struct Globalisation<'a> {
 /// Iterations at the end over which the touching points are watched.
 const WATCHED: usize = 6;
 
-/// A last correction below this (mm, N) is that of a contact which does not settle rather than of an iteration that is lost.
+/// A last correction below this is that of a contact which does not settle rather than of an iteration that is lost.
 const SETTLING: f64 = 1.0;
 
 impl<'a> Globalisation<'a> {
-    /// The policy of an attempt for a body of a size (mm).
-    pub fn new(tuning: &'a Tuning, settings: &'a Solver, size: f64) -> Self {
+    /// The policy of an attempt for a body.
+    pub fn new(tuning: &'a Tuning, settings: &'a Solver, scales: &Scales) -> Self {
         Self {
             tuning,
             settings,
-            size,
+            size: scales.size / scales.length,
             choice: Choice::New,
             iteration: 0,
             modified: 0,
@@ -270,6 +271,10 @@ mod tests {
         Measures { norm, largest: norm, residual: norm, contact_points: 0 }
     }
 
+    fn scales() -> Scales {
+        Scales { size: 100.0, ..Scales::of_unit_cube() }
+    }
+
     fn small() -> Extent {
         Extent::default()
     }
@@ -277,7 +282,7 @@ mod tests {
     #[test]
     fn a_factor_is_used_again_while_it_contracts() {
         let (tuning, settings) = (TUNING(), Solver::default());
-        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        let mut policy = Globalisation::new(&tuning, &settings, &scales());
         assert_eq!(policy.next_tangent(), Some(Choice::New));
         assert_eq!(policy.judge(measures(1.0), false, small), Verdict::Accept);
         // Too large to go on with the factor at hand.
@@ -296,7 +301,7 @@ mod tests {
     fn a_hopeless_correction_is_found_once_more_and_then_given_up() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let huge = || Extent { stretch: 2.0, angle: 0.0 };
-        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        let mut policy = Globalisation::new(&tuning, &settings, &scales());
         policy.next_tangent();
         assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
         assert_eq!(policy.next_tangent(), Some(Choice::Cautious));
@@ -307,11 +312,11 @@ mod tests {
         policy.next_tangent();
         assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Reject(Cause::Diverged { correction: 1.0 }));
         // Not where supports move.
-        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        let mut policy = Globalisation::new(&tuning, &settings, &scales());
         policy.next_tangent();
         assert!(matches!(policy.judge(measures(1.0), true, huge), Verdict::Reject(_)));
         // Nor for a correction that is small.
-        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        let mut policy = Globalisation::new(&tuning, &settings, &scales());
         policy.next_tangent();
         assert_eq!(policy.judge(measures(0.05), false, huge), Verdict::Accept);
     }
@@ -319,7 +324,7 @@ mod tests {
     #[test]
     fn circles_are_broken_by_halving() {
         let (tuning, settings) = (TUNING(), Solver::default());
-        let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+        let mut policy = Globalisation::new(&tuning, &settings, &scales());
         for iteration in 1..=9 {
             policy.next_tangent();
             let verdict = policy.judge(measures(0.5), false, small);
@@ -332,7 +337,7 @@ mod tests {
     fn what_runs_away_or_is_no_number_is_rejected() {
         let (tuning, settings) = (TUNING(), Solver::default());
         for bad in [f64::NAN, f64::INFINITY, 2e5] {
-            let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+            let mut policy = Globalisation::new(&tuning, &settings, &scales());
             policy.next_tangent();
             let verdict = policy.judge(measures(bad), false, small);
             assert!(matches!(verdict, Verdict::Reject(Cause::Diverged { .. })), "{bad}");
@@ -344,7 +349,7 @@ mod tests {
         let tuning = TUNING();
         let settings = Solver { max_iterations: 8, ..Solver::default() };
         let exhaust = |points: fn(usize) -> usize| {
-            let mut policy = Globalisation::new(&tuning, &settings, 100.0);
+            let mut policy = Globalisation::new(&tuning, &settings, &scales());
             let mut count = 0;
             while policy.next_tangent().is_some() {
                 policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);

@@ -17,7 +17,7 @@ pub struct IterationRecord {
     /// Position of the attempt on the load path.
     #[serde(rename = "time")]
     pub parameter: LoadParameter,
-    /// ‖\[Δq; Δλ\]‖, mm and N.
+    /// ‖\[Δq; Δλ\]‖ with lengths in mean spacings h of the nodes and forces in μ h², μ the shear modulus.
     pub correction: f64,
     /// Norm of the residual over the free degrees of freedom before the correction, N.
     pub residual: f64,

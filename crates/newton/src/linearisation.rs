@@ -50,19 +50,20 @@ impl MixedLinearisation {
     /// Nothing is carried yet: the stresses at rest, which are zero.
     pub fn at_rest(num_nodes: usize) -> Self {
         let displacement = vec![[0.0; 3]; num_nodes];
-        Self { prediction: Arc::new(Prediction { displacement, correction: None }) }
+        Self { prediction: Arc::new(Prediction { displacement, correction: None, ..Prediction::default() }) }
     }
 
     /// Lets the contributions take the stresses that the linear system, assembled at `displacement`, makes of theirs under a correction; or
-    /// without one those of that displacement itself.
+    /// without one those of that displacement itself. `motion` are the positions that obstacles move between meanwhile.
     pub fn predict(
         &mut self,
         contributions: &mut [Box<dyn Contribution>],
         displacement: &[[f64; 3]],
         correction: Option<&[[f64; 3]]>,
+        motion: Option<[LoadParameter; 2]>,
     ) {
         let (displacement, correction) = (displacement.to_vec(), correction.map(<[_]>::to_vec));
-        self.take(contributions, Prediction { displacement, correction });
+        self.take(contributions, Prediction { displacement, correction, motion });
     }
 
     fn take(&mut self, contributions: &mut [Box<dyn Contribution>], prediction: Prediction) {
@@ -80,7 +81,7 @@ impl MixedLinearisation {
             tractions.extend_from_slice(mixed.stored());
         }
         let State { parameter, displacement, bordered } = state.clone();
-        let Prediction { displacement: at, correction } = (*self.prediction).clone();
+        let Prediction { displacement: at, correction, .. } = (*self.prediction).clone();
         let carried = Carried { displacement: at, correction };
         Linearisation { parameter, bordered, displacement, carried, tractions }
     }
@@ -89,7 +90,7 @@ impl MixedLinearisation {
     pub fn restore(&mut self, contributions: &mut [Box<dyn Contribution>], linearisation: &Linearisation) {
         let Carried { displacement, correction } = linearisation.carried.clone();
         // Contact cannot predict at a position that it has not taken; it gets what was stored.
-        self.prediction = Arc::new(Prediction { displacement, correction });
+        self.prediction = Arc::new(Prediction { displacement, correction, ..Prediction::default() });
         let mut stored = &linearisation.tractions[..];
         for mixed in contributions.iter_mut().filter_map(|contribution| contribution.mixed()) {
             let (own, rest) = stored.split_at(mixed.stored().len());

@@ -1,22 +1,27 @@
-//! Supports that move along the load path.
+//! Supports and obstacles that move along the load path.
 
 use pneuflex_model::{LoadParameter, Problem};
 
 use crate::state::{State, difference};
 
-/// Displacements of supports below this are rounding, mm.
-const ROUNDED: f64 = 1e-13;
+/// Displacements of supports below this share of the body's extent are rounding.
+const ROUNDED: f64 = 1e-15;
 
 /// The displacements that the supports prescribe.
 pub struct PrescribedMotion {
     /// `None` if no support ever moves.
     moving: Option<Problem>,
+    /// Whether an obstacle ever moves.
+    pub moves_obstacles: bool,
 }
 
 impl PrescribedMotion {
     /// That of a problem's supports.
     pub fn of(problem: &Problem) -> Self {
-        Self { moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()) }
+        Self {
+            moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()),
+            moves_obstacles: problem.obstacles.iter().any(|obstacle| obstacle.motion.is_some()),
+        }
     }
 
     /// Displacements at held degrees of freedom, mm, one entry per node; `None` if there are none to prescribe.
@@ -30,7 +35,7 @@ impl PrescribedMotion {
     }
 }
 
-/// Whether a change of the supports' displacements is more than rounding.
-pub(crate) fn is_felt(change: &[[f64; 3]], held: &[bool]) -> bool {
-    change.as_flattened().iter().zip(held).any(|(x, held)| *held && x.abs() > ROUNDED)
+/// Whether a change of the supports' displacements is more than rounding, for a body of an extent in mm.
+pub(crate) fn is_felt(change: &[[f64; 3]], held: &[bool], size: f64) -> bool {
+    change.as_flattened().iter().zip(held).any(|(x, held)| *held && x.abs() > ROUNDED * size)
 }

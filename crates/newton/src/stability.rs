@@ -38,7 +38,7 @@ pub(crate) fn stretching_rate(
     system.predict(&state.displacement, None);
     let (left, tangent) = system.tangent(state)?;
     let next = state.moved_to(state.parameter + change);
-    let mut assembled = system.residual(&next)?;
+    let mut assembled = system.residual_ahead(&tangent, state, next.parameter)?;
     // Only what is new: the state may be an inexact one.
     assembled.residual = difference(&assembled.residual, &left.residual);
     for (equation, left) in assembled.equations.iter_mut().zip(&left.equations) {

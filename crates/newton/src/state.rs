@@ -35,7 +35,12 @@ impl State {
 
     /// Where contributions are evaluated.
     pub fn position(&self) -> Position<'_> {
-        Position { parameter: self.parameter, displacement: &self.displacement, bordered: &self.bordered }
+        Position {
+            parameter: self.parameter,
+            displacement: &self.displacement,
+            bordered: &self.bordered,
+            is_on_the_way: false,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_assembly::{BorderedEquation, Couplings, Elimination};
+use pneuflex_assembly::{BorderedEquation, Couplings, Elimination, RigidMotion};
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Parallelism, Symbolic, gmres, multiply};
 
 use crate::bordered;
@@ -35,6 +35,8 @@ pub struct Tangent {
     elimination: Arc<Elimination>,
     negative_pivots: usize,
     linearisation: Linearisation,
+    /// What moving obstacles do to the body.
+    motions: Vec<RigidMotion>,
 }
 
 /// Memory of a tangent that is not needed any more.
@@ -66,13 +68,13 @@ impl Tangent {
         pattern: Arc<BlockPattern>,
         mut buffers: Buffers,
         (couplings, (held, elimination)): (Couplings, (Arc<[bool]>, Arc<Elimination>)),
-        linearisation: Linearisation,
+        (linearisation, motions): (Linearisation, Vec<RigidMotion>),
         parallelism: Parallelism,
     ) -> Result<Self, Box<(FactorError, Buffers)>> {
         match buffers.factor.factorize(&buffers.values, &held, parallelism) {
             Ok(inertia) => {
                 let negative_pivots = inertia.negative;
-                Ok(Self { pattern, buffers, couplings, held, elimination, negative_pivots, linearisation })
+                Ok(Self { pattern, buffers, couplings, held, elimination, negative_pivots, linearisation, motions })
             }
             Err(error) => Err(Box::new((error, buffers))),
         }
@@ -109,6 +111,11 @@ impl Tangent {
     /// What it was made from.
     pub fn linearisation(&self) -> &Linearisation {
         &self.linearisation
+    }
+
+    /// Obstacles that move, and what that does to the body where the tangent was assembled.
+    pub fn motions(&self) -> &[RigidMotion] {
+        &self.motions
     }
 
     pub(crate) fn into_buffers(self) -> Buffers {

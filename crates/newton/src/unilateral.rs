@@ -4,14 +4,15 @@ use std::time::Instant;
 
 use pneuflex_assembly::Unilateral;
 
+use crate::state::State;
 use crate::system::{System, unilateral};
 
 impl System {
-    /// Largest penetration of a contact point at a displacement, mm; 0 where nothing touches.
-    pub fn deepest_penetration(&mut self, displacement: &[[f64; 3]]) -> f64 {
+    /// Largest penetration of a contact point at a state, mm; 0 where nothing touches.
+    pub fn deepest_penetration(&mut self, state: &State) -> f64 {
         let start = Instant::now();
-        let deepest = |contact: &dyn Unilateral| contact.deepest_penetration(displacement);
-        let depth = unilateral(&self.contributions).map(deepest).fold(0.0, f64::max);
+        let contacts = self.contributions.iter_mut().filter_map(|contribution| contribution.unilateral_mut());
+        let depth = contacts.map(|contact| contact.deepest_penetration(state.position())).fold(0.0, f64::max);
         self.timing.contact_s += start.elapsed().as_secs_f64();
         depth
     }

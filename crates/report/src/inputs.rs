@@ -137,7 +137,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("mesh.size", "largest element edge along x, y, z", "mm"),
     ("mesh.edge_size", "element edge at re-entrant edges", "mm"),
     ("mesh.wall_elements", "least number of elements through walls", ""),
-    ("solver.tolerance", "norm of the last correction", "mm, N"),
+    ("solver.tolerance", "norm of the last correction, lengths in the nodes' spacing", ""),
     ("solver.residual_tolerance", "residual relative to the pressure forces", ""),
     ("solver.max_iterations", "iterations per load step", ""),
     ("solver.first_step_kpa", "first load step", "kPa"),

@@ -179,7 +179,7 @@ fn newton(
     let symbolic = Symbolic::analyze(assembler.pattern(), Ordering::default()).map_err(|e| e.to_string())?;
     let mut factor = Factor::<3>::new(Arc::new(symbolic));
     let mut totals = Totals::default();
-    solid.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None }));
+    solid.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None, ..Prediction::default() }));
     solid.linearise();
     let mut largest = f64::INFINITY;
     for _ in 0..30 {
@@ -190,7 +190,11 @@ fn newton(
         let mut step: Vec<f64> = residual.zip(held).map(|((r, f), held)| if *held { 0.0 } else { f - r }).collect();
         factor.solve_in_place(&mut step, 1).map_err(|e| e.to_string())?;
         let step: Vec<[f64; 3]> = step.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
-        solid.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: Some(step.clone()) }));
+        solid.predict(&Arc::new(Prediction {
+            displacement: u.to_vec(),
+            correction: Some(step.clone()),
+            ..Prediction::default()
+        }));
         solid.linearise();
         for (u, step) in u.as_flattened_mut().iter_mut().zip(step.as_flattened()) {
             *u += step;

@@ -177,7 +177,12 @@ fn contributions_do_not_depend_on_what_their_buffers_held() {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (problem, u) = touching_cubes(formulation, method);
             let mut contact = ContactForces::of(&problem);
-            contact.set_position(Position { parameter: LoadParameter::default(), displacement: &u, bordered: &[] });
+            contact.set_position(Position {
+                parameter: LoadParameter::default(),
+                displacement: &u,
+                bordered: &[],
+                is_on_the_way: false,
+            });
             let on_floor =
                 contact.touching().iter().filter(|block| matches!(block.partner, Partner::Obstacle(_))).count();
             assert!(on_floor > 0 && on_floor < contact.num_blocks(), "{formulation} {method:?}: {on_floor}");

@@ -175,7 +175,7 @@ fn carried_pressures_change_the_geometric_tangent_only() {
 /// Lets the next tangent carry the pressures of a state, or those predicted for a correction.
 fn carry(solid: &mut Solid, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) {
     let (displacement, correction) = (displacement.to_vec(), correction.map(<[_]>::to_vec));
-    solid.predict(&Arc::new(Prediction { displacement, correction }));
+    solid.predict(&Arc::new(Prediction { displacement, correction, ..Prediction::default() }));
     solid.linearise();
 }
 

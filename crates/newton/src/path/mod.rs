@@ -51,7 +51,6 @@ pub struct Path {
     approach: Option<Approach>,
     stability: Stability,
     motion: PrescribedMotion,
-    has_moving_obstacles: bool,
     pressures: CavityPressures,
     clock: Clock,
     /// Largest stretching per change of the forces at the beginning, 1/N.
@@ -114,7 +113,6 @@ impl Path {
             approach: None,
             stability: Stability::default(),
             motion: PrescribedMotion::of(problem),
-            has_moving_obstacles: problem.obstacles.iter().any(|obstacle| obstacle.motion.is_some()),
             pressures: CavityPressures::of(problem)?,
             clock: problem.clock,
             first_rate: None,

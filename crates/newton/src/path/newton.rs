@@ -1,7 +1,7 @@
 //! Newton's method at one load (theory §13).
 
 use super::{Converged, Path, Target};
-use crate::convergence::Criteria;
+use crate::convergence::{Criteria, Scales};
 use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::globalisation::{Choice, Globalisation, Measures, Verdict};
@@ -24,16 +24,17 @@ impl Path {
         target: Target,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
-        let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, held.is_some())?;
+        let is_driven = held.is_some() || self.motion.moves_obstacles;
+        let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, is_driven)?;
         let (tuning, settings) = (self.tuning.clone(), self.settings.clone());
-        let mut policy = Globalisation::new(&tuning, &settings, self.scales.size);
+        let mut policy = Globalisation::new(&tuning, &settings, &self.scales);
         let mut multipliers = self.equilibrium.multipliers.clone();
         let (mut at_hand, mut left): (Option<Tangent>, Vec<[f64; 3]>) = (None, Vec::new());
         while let Some(choice) = policy.next_tangent() {
             self.check_stop()?;
             let (assembled, tangent) = self.linearise(&state, choice, at_hand.take())?;
             let change = held.map(|held| difference(held, &state.displacement));
-            let prescribed = change.filter(|change| is_felt(change, self.system.held()));
+            let prescribed = change.filter(|change| is_felt(change, self.system.held(), self.scales.size));
             let mut correction = self.system.solve(&tangent, &assembled, prescribed.as_deref())?;
             let updated = self.system.multipliers(&tangent, &assembled, &correction)?;
             let measures = self.measure(&assembled, &correction, [&updated, &multipliers]);
@@ -123,7 +124,7 @@ impl Path {
         at_hand: Option<Tangent>,
     ) -> Result<(Assembled, Tangent), Cause> {
         match (choice, at_hand) {
-            (Choice::AtHand, Some(tangent)) => Ok((self.system.residual(state)?, tangent)),
+            (Choice::AtHand, Some(tangent)) => Ok((self.system.residual_on_the_way(state)?, tangent)),
             (choice, old) => {
                 self.iterations += 1;
                 self.system.recycle(old);
@@ -136,12 +137,17 @@ impl Path {
     }
 
     fn measure(&self, assembled: &Assembled, correction: &Correction, [updated, multipliers]: [&[f64]; 2]) -> Measures {
-        let squared: f64 = correction.displacement.as_flattened().iter().map(|x| x * x).sum::<f64>()
-            + updated.iter().zip(multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
-            + correction.bordered.iter().map(|y| y * y).sum::<f64>();
+        let Scales { length, force, .. } = self.scales;
+        let displacement = correction.displacement.as_flattened().iter().map(|x| x * x).sum::<f64>();
+        // An unknown beside the displacements counts by the force that it acts with.
+        let bordered = correction.bordered.iter().zip(&assembled.equations).map(|(change, equation)| {
+            change * change * equation.column.as_flattened().iter().map(|x| x * x).sum::<f64>()
+        });
+        let forces =
+            updated.iter().zip(multipliers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() + bordered.sum::<f64>();
         Measures {
-            norm: squared.sqrt(),
-            largest: correction.largest(),
+            norm: (displacement.sqrt() / length).hypot(forces.sqrt() / force),
+            largest: correction.largest() / length,
             residual: self.system.free_norm(&assembled.residual),
             contact_points: assembled.contact_points,
         }
@@ -171,7 +177,7 @@ impl Path {
 
     /// Whether a correction is so small that the state after it will do on the way (inexact Newton).
     fn is_small(&mut self, state: &State, correction: &Correction) -> bool {
-        correction.largest() < self.tuning.inexact_displacement
+        correction.largest() < self.tuning.inexact_displacement * self.scales.length
             && self.system.extent(&state.displacement, &correction.displacement).stretch < self.scales.inexact_stretch
     }
 

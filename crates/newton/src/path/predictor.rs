@@ -7,7 +7,6 @@ use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::stability;
 use crate::state::{Correction, State};
-use crate::tangent_solver::{Assembled, Tangent};
 
 impl Path {
     /// One load step towards `aim`, which becomes the position that is tried: a guess along the tangent, cut short where it
@@ -22,11 +21,8 @@ impl Path {
         self.check_stop()?;
         let start = self.equilibrium.state.clone();
         let (correction, iterations) = self.guess(&start, *aim)?;
-        let (mut state, share) = self.shortened(&start, &correction)?;
-        if share < 1.0 {
-            *aim = start.parameter + share * (*aim - start.parameter);
-        }
-        state.parameter = *aim;
+        let state = self.shortened(&start, &correction, *aim)?;
+        *aim = state.parameter;
         let target = if *aim == requested || self.is_careful { Target::Requested } else { Target::OnTheWay };
         observer(Event::StepStarted { step: self.step, parameter: *aim });
         let held = self.motion.target(*aim);
@@ -50,9 +46,8 @@ impl Path {
             }
         };
         let loaded = start.moved_to(wanted);
-        let assembled = self.system.residual(&loaded)?;
+        let assembled = self.system.residual_ahead(&tangent, start, wanted)?;
         let change = self.motion.change(&loaded);
-        let (assembled, tangent) = self.met(&loaded, assembled, tangent)?;
         let correction = self.system.solve(&tangent, &assembled, change.as_deref())?;
         if self.first_rate.is_none() {
             self.first_rate = stability::compliance(&mut self.system, &tangent, start, &correction)?;
@@ -61,32 +56,22 @@ impl Path {
         Ok((correction, iterations))
     }
 
-    /// Where moving obstacles reach points that carry nothing yet, their forces are in the residual but not in the factor: the guess would throw
-    /// the body away from them, beyond other obstacles even. It then comes from a tangent that knows them.
-    fn met(&mut self, loaded: &State, assembled: Assembled, tangent: Tangent) -> Result<(Assembled, Tangent), Cause> {
-        if !self.has_moving_obstacles || assembled.contact_points <= self.equilibrium.contact_points {
-            return Ok((assembled, tangent));
-        }
-        self.system.recycle(Some(tangent));
-        self.iterations += 1;
-        Ok(self.system.tangent(loaded)?)
-    }
-
-    /// The state after as much of a guess as is safe, and its share.
-    fn shortened(&mut self, start: &State, correction: &Correction) -> Result<(State, f64), Cause> {
+    /// The state after as much of a guess as is safe, at the position on the load path that it is good for.
+    fn shortened(&mut self, start: &State, correction: &Correction, aim: LoadParameter) -> Result<State, Cause> {
         let tuning = self.tuning.clone();
-        let allowed = self.system.deepest_penetration(&start.displacement).max(tuning.guess_penetration);
+        let allowed = self.system.deepest_penetration(start).max(tuning.guess_penetration * self.scales.length);
         let extent = self.system.extent(&start.displacement, &correction.displacement);
         let mut share = (tuning.guess.stretch / extent.stretch).min(tuning.guess.angle / extent.angle).min(1.0);
         let shortest = tuning.shortest * share;
         loop {
             let guess = correction.scaled(share);
-            let mut trial = start.clone();
+            let parameter = if share < 1.0 { start.parameter + share * (aim - start.parameter) } else { aim };
+            let mut trial = start.moved_to(parameter);
             self.system.move_by(&mut trial, &guess)?;
             let is_last = share * tuning.shortening < shortest;
-            if is_last || self.system.deepest_penetration(&trial.displacement) <= allowed {
-                self.system.predict(&start.displacement, Some(&guess.displacement));
-                return Ok((trial, share));
+            if is_last || self.system.deepest_penetration(&trial) <= allowed {
+                self.system.predict_ahead(start, &guess, parameter);
+                return Ok(trial);
             }
             share *= tuning.shortening;
         }

@@ -7,18 +7,22 @@ use pneuflex_assembly::{Assembler, BorderedEquation, CondensedBlocks, Contributi
 use pneuflex_assembly::{LocalContribution, LocalError, Position, Request, Unilateral};
 use pneuflex_factor::{FactorError, Ordering, Symbolic};
 
+use pneuflex_model::LoadParameter;
+
 use super::System;
 use crate::state::State;
 use crate::tangent_solver::Assembled;
 use crate::timing::Timing;
 
 impl System {
-    pub(super) fn take_position(&mut self, state: &State) {
-        let mut bordered = &state.bordered[..];
+    /// The contributions take a position; contact takes it with the obstacles at `obstacles` on the load path.
+    pub(super) fn take_position(&mut self, position: Position<'_>, obstacles: LoadParameter) {
+        let mut bordered = position.bordered;
         for contribution in &mut self.contributions {
             let start = Instant::now();
             let own = split(&mut bordered, contribution.as_ref());
-            contribution.set_position(Position { bordered: own, ..state.position() });
+            let parameter = if contribution.unilateral().is_some() { obstacles } else { position.parameter };
+            contribution.set_position(Position { bordered: own, parameter, ..position });
             *clock_of(&mut self.timing, contribution.as_ref()) += start.elapsed().as_secs_f64();
         }
     }

@@ -6,10 +6,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use pneuflex_assembly::{Assembler, CondensedBlocks, Contribution, Elimination, LocalError, Position, Request, Totals};
+use pneuflex_assembly::{
+    Assembler, CondensedBlocks, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals,
+    Unilateral,
+};
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;
-use pneuflex_model::Problem;
+use pneuflex_model::{LoadParameter, Problem};
 
 use crate::contributions::contributions_of;
 use crate::error::{AssembleError, SetupError};
@@ -25,7 +28,8 @@ use assembling::{assembler_of, has_fixed_blocks, split};
 
 pub(crate) use assembling::unilateral;
 
-/// Corrections that move no node further than this are applied straight: the next one makes up for their second-order part, mm.
+/// Corrections that move no node further than this share of the nodes' spacing are applied straight: the next one makes up for their
+/// second-order part.
 const STRAIGHT_BELOW: f64 = 1e-3;
 
 /// The discretised equations of a [`Problem`] with everything that is reused from iteration to iteration.
@@ -41,6 +45,8 @@ pub struct System {
     /// For every degree of freedom whether the tangent has no equation for it: it is held, or follows others.
     fixed: Arc<[bool]>,
     num_bordered: usize,
+    /// Mean spacing of the nodes, mm.
+    spacing: f64,
     parallelism: Parallelism,
     /// Memory of the last tangent.
     buffers: Option<Buffers>,
@@ -91,6 +97,7 @@ impl System {
             held: held.into(),
             elimination: Arc::new(elimination),
             fixed: fixed.into(),
+            spacing: mesh.mean_node_spacing(),
             parallelism,
             buffers: None,
             responses: None,
@@ -113,9 +120,44 @@ impl System {
     /// # Errors
     /// [`AssembleError::Local`] naming the element that is turned inside out.
     pub fn residual(&mut self, state: &State) -> Result<Assembled, AssembleError> {
-        self.take_position(state);
+        self.take_position(state.position(), state.parameter);
         self.responses = None;
         Ok(self.assemble(state, Request::Residual)?)
+    }
+
+    /// The same on the way to an equilibrium: contact keeps the points for which the linear system predicts traction, as the tangent does.
+    ///
+    /// # Errors
+    /// As [`Self::residual`].
+    pub fn residual_on_the_way(&mut self, state: &State) -> Result<Assembled, AssembleError> {
+        self.take_position(Position { is_on_the_way: true, ..state.position() }, state.parameter);
+        self.responses = None;
+        Ok(self.assemble(state, Request::Residual)?)
+    }
+
+    /// The residual that is to be expected at another position on the load path: the loads are those there, the obstacles' motion up to there
+    /// counts as far as the tangent feels it. With the obstacles at their new places instead, the guess would be hit by the penalty of
+    /// their whole motion.
+    ///
+    /// # Errors
+    /// As [`Self::residual`].
+    pub fn residual_ahead(
+        &mut self,
+        tangent: &Tangent,
+        start: &State,
+        wanted: LoadParameter,
+    ) -> Result<Assembled, AssembleError> {
+        let ahead = start.moved_to(wanted);
+        self.take_position(ahead.position(), start.parameter);
+        self.responses = None;
+        let mut assembled = self.assemble(&ahead, Request::Residual)?;
+        for RigidMotion { curve, column } in tangent.motions() {
+            let change = curve.at(wanted) - curve.at(start.parameter);
+            for (r, c) in assembled.residual.iter_mut().zip(column) {
+                *r = std::array::from_fn(|k| r[k] + change * c[k]);
+            }
+        }
+        Ok(assembled)
     }
 
     /// The same and the tangent, factorised.
@@ -127,7 +169,7 @@ impl System {
         let start = Instant::now();
         let linearisation = self.mixed.linearise(&mut self.contributions, state);
         self.timing.assembly_s += start.elapsed().as_secs_f64();
-        self.take_position(state);
+        self.take_position(Position { is_on_the_way: true, ..state.position() }, state.parameter);
         self.make_room_for_contact()?;
         let mut buffers = self.buffers.take().unwrap_or_else(|| Buffers::new(&self.symbolic));
         if !Arc::ptr_eq(&buffers.symbolic, &self.symbolic) {
@@ -146,10 +188,12 @@ impl System {
         let start = Instant::now();
         let constraints = (Arc::clone(&self.fixed), Arc::clone(&self.elimination));
         let unsymmetric = (self.couplings(&state.displacement), constraints);
+        let mut motions: Vec<RigidMotion> = unilateral(&self.contributions).flat_map(Unilateral::motions).collect();
+        motions.iter_mut().for_each(|motion| self.elimination.condense(motion.column.as_flattened_mut()));
         self.timing.assembly_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let pattern = Arc::clone(self.assembler.pattern());
-        let factorised = Tangent::new(pattern, buffers, unsymmetric, linearisation, self.parallelism);
+        let factorised = Tangent::new(pattern, buffers, unsymmetric, (linearisation, motions), self.parallelism);
         self.timing.factor_s += start.elapsed().as_secs_f64();
         let mut tangent = factorised.map_err(|ended| {
             let (error, buffers) = *ended;
@@ -232,7 +276,7 @@ impl System {
     /// As [`Self::apply`].
     pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         let start = Instant::now();
-        let moved = if correction.largest() < STRAIGHT_BELOW {
+        let moved = if correction.largest() < STRAIGHT_BELOW * self.spacing {
             let pairs = state.displacement.as_flattened_mut().iter_mut().zip(correction.displacement.as_flattened());
             pairs.for_each(|(u, delta)| *u += delta);
             Ok(())
@@ -251,8 +295,16 @@ impl System {
     /// without one those of that displacement itself.
     pub fn predict(&mut self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) {
         let start = Instant::now();
-        self.mixed.predict(&mut self.contributions, displacement, correction);
+        self.mixed.predict(&mut self.contributions, displacement, correction, None);
         self.timing.solve_s += start.elapsed().as_secs_f64();
+    }
+
+    /// The same for a guess from a state: obstacles move with it up to another position on the load path.
+    pub fn predict_ahead(&mut self, start: &State, guess: &Correction, aim: LoadParameter) {
+        let begin = Instant::now();
+        let motion = Some([start.parameter, aim]);
+        self.mixed.predict(&mut self.contributions, &start.displacement, Some(&guess.displacement), motion);
+        self.timing.solve_s += begin.elapsed().as_secs_f64();
     }
 
     /// How much a correction deforms the body at a displacement.
@@ -303,7 +355,7 @@ impl System {
     /// # Errors
     /// [`LocalError`] naming the element that is turned inside out.
     pub fn energies(&mut self, state: &State) -> Result<Vec<(&'static str, f64)>, LocalError> {
-        self.take_position(state);
+        self.take_position(state.position(), state.parameter);
         let mut energies = Vec::new();
         for contribution in &self.contributions {
             let mut totals = Totals::default();

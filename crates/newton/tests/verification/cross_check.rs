@@ -103,7 +103,11 @@ fn elements() {
 
             for is_carried in [false, true] {
                 if is_carried {
-                    let prediction = Prediction { displacement: u.clone(), correction: Some(correction.clone()) };
+                    let prediction = Prediction {
+                        displacement: u.clone(),
+                        correction: Some(correction.clone()),
+                        ..Prediction::default()
+                    };
                     let mixed = solid.mixed().unwrap();
                     mixed.predict(&Arc::new(prediction));
                     mixed.linearise();
@@ -189,8 +193,9 @@ fn two_blocks(formulation: Formulation, method: ContactMethod) -> Problem {
 /// The contact of a problem at a displacement, with the tractions there in its tangent.
 fn touching_forces(problem: &Problem, u: &[[f64; 3]]) -> ContactForces {
     let mut contact = ContactForces::of(problem);
-    contact.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None }));
-    let position = Position { parameter: LoadParameter::default(), displacement: u, bordered: &[] };
+    contact.predict(&Arc::new(Prediction { displacement: u.to_vec(), correction: None, ..Prediction::default() }));
+    let position =
+        Position { parameter: LoadParameter::default(), displacement: u, bordered: &[], is_on_the_way: false };
     contact.set_position(position);
     contact
 }

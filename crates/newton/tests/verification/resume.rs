@@ -107,7 +107,7 @@ fn a_stopped_path_ends_before_the_next_iteration_and_goes_on_later() {
         Event::Iteration(record) => {
             iterations += 1;
             // In the middle of a step on the way to the second pressure.
-            stop.store(record.parameter.0 > 10.0, Ordering::Relaxed);
+            stop.store(record.parameter.0 > 12.0, Ordering::Relaxed);
         }
         Event::StepRejected { cause, .. } => panic!("{cause}"),
         _ => (),
