@@ -64,11 +64,11 @@ fn parse(arguments: &[String]) -> Result<Options, String> {
 /// How often every relation held.
 fn table(tallies: &[(&str, Tally)], draws: usize) -> String {
     let mut lines = vec![format!(
-        "{draws} draws\n{:30} {:>6} {:>6} {:>8} {:>8} {:>7} {:>7}  worst",
-        "relation", "tried", "held", "refused", "stopped", "warned", "broken"
+        "{draws} draws\n{:30} {:>6} {:>6} {:>8} {:>8} {:>7}  worst",
+        "relation", "tried", "held", "refused", "stopped", "broken"
     )];
-    for (name, Tally { tried, held, refused, stopped, warned, broken, worst }) in tallies {
-        lines.push(format!("{name:30} {tried:6} {held:6} {refused:8} {stopped:8} {warned:7} {broken:7}  {worst:.1e}"));
+    for (name, Tally { tried, held, refused, stopped, broken, worst }) in tallies {
+        lines.push(format!("{name:30} {tried:6} {held:6} {refused:8} {stopped:8} {broken:7}  {worst:.1e}"));
     }
     lines.join("\n")
 }

@@ -26,7 +26,7 @@ use std::thread;
 
 pub use draw::{Dice, Draw, Scale};
 pub use form::{Files, Form};
-pub use outcome::{End, Outcome, Verdict};
+pub use outcome::{End, MOST_ITERATIONS, Outcome, Verdict};
 pub use rewrite::{ALL, Checked, Relation};
 
 use rewrite::First;
@@ -55,8 +55,6 @@ pub struct Tally {
     pub refused: usize,
     /// Stopped on the way on both sides, agreeing so far, or on one where the paths differ.
     pub stopped: usize,
-    /// It does not hold, with a warning of what touches on one side at least.
-    pub warned: usize,
     /// It does not hold.
     pub broken: usize,
     /// Largest difference where it holds.
@@ -99,9 +97,14 @@ pub fn run(options: &Options, observe: &(dyn Fn(&Fault) + Sync)) -> Report {
                     for (relation, verdict) in found {
                         tallies.0[relation].add(&verdict);
                     }
-                    if let End::Refused(why) | End::Stopped(why) = end {
-                        *tallies.1.entry(why).or_default() += 1;
-                    }
+                    let end = match end {
+                        End::Reached => continue,
+                        End::Refused(why) => why,
+                        End::Stopped(why) => why,
+                        End::Failed(why) => why,
+                        End::Exhausted => format!("more than {MOST_ITERATIONS} iterations, nothing compared"),
+                    };
+                    *tallies.1.entry(end).or_default() += 1;
                 }
             });
         }
@@ -120,7 +123,6 @@ impl Tally {
             }
             Verdict::Refused => self.refused += 1,
             Verdict::Stopped(_) => self.stopped += 1,
-            Verdict::Warned(_) => self.warned += 1,
             Verdict::Broken(..) => self.broken += 1,
         }
     }
@@ -133,6 +135,9 @@ fn one_draw(options: &Options, number: usize, observe: &(dyn Fn(&Fault) + Sync))
     let Some(analysis) = analysis else { return (End::Reached, Vec::new()) };
     let outcome = Outcome::of(&analysis);
     let mut found = Vec::new();
+    if outcome.end == End::Exhausted {
+        return (outcome.end, found);
+    }
     for (which, relation) in ALL.iter().enumerate().filter(|(_, relation)| relation.name.contains(&options.only)) {
         let first = First { draw: &draw, analysis: &analysis, outcome: &outcome };
         let mut dice = || Dice::of(options.seed + 1 + which as u64, number);

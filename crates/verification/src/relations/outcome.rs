@@ -1,7 +1,7 @@
 //! What becomes of a problem, and whether two of them agree.
 
 use pneuflex::post::summary::StepSummary;
-use pneuflex::{Analysis, Error, Solution};
+use pneuflex::{Analysis, Error, Event, Run, Solution, StopToken};
 
 use super::frame::Frame;
 
@@ -38,12 +38,32 @@ pub enum End {
     Refused(String),
     /// On the way; why.
     Stopped(String),
+    /// Not within [`MOST_ITERATIONS`].
+    Exhausted,
+    /// With an equilibrium that nothing can be derived from, or that cannot be recorded: right for no problem.
+    Failed(String),
+}
+
+/// A path that takes more iterations is left where it is: it creeps, as some past a limit point do. Most drawn paths take 10 to 60.
+pub const MOST_ITERATIONS: usize = 150;
+
+/// Stops a run by its token after that many iterations.
+pub fn limited<'a>(run: Run<'a>, token: &StopToken) -> Run<'a> {
+    let (mut count, token) = (0, token.clone());
+    run.stop(&token).observer(move |event| {
+        if let Event::Iteration(_) = event {
+            count += 1;
+            if count == MOST_ITERATIONS {
+                token.stop();
+            }
+        }
+    })
 }
 
 impl Outcome {
     /// Solves a problem with the one thread that calls.
     pub fn of(analysis: &Result<Analysis, Error>) -> Self {
-        Self::solved(analysis, |analysis| analysis.run().threads(1).solve())
+        Self::solved(analysis, |analysis| limited(analysis.run().threads(1), &StopToken::new()).solve())
     }
 
     /// Solves it in a way.
@@ -60,7 +80,8 @@ impl Outcome {
         let (end, solution) = match solve(analysis) {
             Ok(solution) => (End::Reached, solution),
             Err(Error::NotConverged(ended)) => (End::Stopped(ended.to_string()), ended.reached),
-            Err(Error::Interrupted(ended)) => (End::Stopped(ended.to_string()), ended.reached),
+            Err(Error::Interrupted(ended)) => (End::Exhausted, ended.reached),
+            Err(Error::Results(error)) => return none(End::Failed(error.to_string())),
             Err(error) => return none(End::Refused(error.to_string())),
         };
         let mut warnings: Vec<String> = solution.warnings.iter().map(|warning| format!("{:?}", warning.kind)).collect();
@@ -128,26 +149,18 @@ pub enum Verdict {
     Refused,
     /// Both stopped on the way, and agree so far.
     Stopped(f64),
-    /// It does not, but one of them says that what touches passes through each other: its points are too far apart to say where it is.
-    Warned(f64),
     /// It does not: why, and by how much.
     Broken(String, f64),
 }
 
 /// Compares two outcomes.
 pub fn compare(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure) -> Verdict {
-    let is_warned = [first, second].iter().any(|outcome| outcome.warnings.iter().any(|kind| kind == "Penetration"));
-    match closely(first, second, rule, measure) {
-        Verdict::Broken(_, difference) if is_warned => Verdict::Warned(difference),
-        verdict => verdict,
-    }
-}
-
-fn closely(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure) -> Verdict {
     let is_stopped = match (&first.end, &second.end) {
         (End::Refused(_), End::Refused(_)) => return Verdict::Refused,
         (End::Reached, End::Reached) => false,
         (End::Stopped(_), End::Stopped(_)) => true,
+        (End::Exhausted, End::Exhausted | End::Reached | End::Stopped(_))
+        | (End::Reached | End::Stopped(_), End::Exhausted) => true,
         (End::Stopped(_), End::Reached) | (End::Reached, End::Stopped(_)) if rule.may_stop => {
             return Verdict::Stopped(0.0);
         }

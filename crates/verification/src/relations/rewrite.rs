@@ -18,7 +18,7 @@ use pneuflex::{Analysis, Change, Error, Event, StopToken, Study};
 use super::draw::{Body, Dice, Draw, Scale};
 use super::form::{Files, Form};
 use super::frame::{Frame, inside_out};
-use super::outcome::{End, Measure, Outcome, Rule, Verdict, compare};
+use super::outcome::{End, Measure, Outcome, Rule, Verdict, compare, limited};
 
 /// The same equations in another order of their sums.
 const SAME: f64 = 1e-6;
@@ -578,7 +578,8 @@ fn without_middles(mesh: &Mesh) -> Mesh {
 /// folder, is the run that never ended (10⁻⁹).
 fn on_the_machine(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
     let verdict = |outcome: &Outcome, rule: &Rule| compare(first.outcome, outcome, rule, measure(first.analysis));
-    let more = Outcome::solved(first.analysis, |analysis| analysis.run().threads(3).solve());
+    let more =
+        Outcome::solved(first.analysis, |analysis| limited(analysis.run().threads(3), &StopToken::new()).solve());
     let with_threads = verdict(&more, &Rule::same(0.0));
     if matches!(with_threads, Verdict::Broken(..)) || first.analysis.is_err() {
         return Some(Checked { verdict: with_threads, files: Vec::new() });
@@ -588,7 +589,7 @@ fn on_the_machine(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
     let resumed = Outcome::solved(first.analysis, |analysis| {
         let token = StopToken::new();
         let (mut accepted, mut checkpoint) = (0, None);
-        let run = analysis.run().threads(1).stop(&token);
+        let run = limited(analysis.run().threads(1), &token);
         let run = if is_recorded { run.record(&folder) } else { run };
         let observed = run.observer(|event| {
             if let Event::StepAccepted(step) = event {
@@ -599,9 +600,10 @@ fn on_the_machine(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
                 }
             }
         });
+        let again = || limited(analysis.run().threads(1), &StopToken::new());
         match (observed.solve(), checkpoint) {
-            (Err(Error::Interrupted(_)), _) if is_recorded => analysis.run().threads(1).resume(&folder).solve(),
-            (Err(Error::Interrupted(_)), Some(checkpoint)) => analysis.run().threads(1).resume_from(checkpoint).solve(),
+            (Err(Error::Interrupted(_)), _) if is_recorded => again().resume(&folder).solve(),
+            (Err(Error::Interrupted(_)), Some(checkpoint)) => again().resume_from(checkpoint).solve(),
             (ended, _) => ended,
         }
     });
