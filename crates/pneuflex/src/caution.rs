@@ -1,6 +1,9 @@
 //! What to be careful about that is known before anything is solved: units, shapes of elements, what stands for two. All of it is found in
 //! the problem's data, whatever kind of file it came from.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use pneuflex_mesh::Facet;
 use pneuflex_model::load::Load;
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Asymmetry, BoxSide, Control, Curve, LoadParameter, Material, Probe, Problem, ProblemPart};
@@ -187,14 +190,35 @@ fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
     found
 }
 
-/// Largest pressure that is prescribed, MPa.
+/// Largest pressure that is prescribed, MPa: pressures on one face add up, however they are divided among tables.
 fn largest_pressure(problem: &Problem, end: LoadParameter) -> f64 {
     let of_cavities = problem.cavities.iter().filter_map(|cavity| match &cavity.control {
-        Control::Pressure(curve) => Some(curve),
+        Control::Pressure(curve) => Some((&cavity.facets, curve)),
         Control::Volume(_) | Control::Gas(_) => None,
     });
-    let of_faces = problem.loads.iter().filter(|load| matches!(load, Load::Pressure { .. })).map(Load::curve);
-    of_cavities.chain(of_faces).map(|curve| peak(curve, end)).fold(0.0, f64::max)
+    let of_faces = problem.loads.iter().filter_map(|load| match load {
+        Load::Pressure { facets, curve } => Some((facets, curve)),
+        Load::Force { .. } | Load::Traction { .. } | Load::Gravity { .. } => None,
+    });
+    let mut on_face: BTreeMap<Facet, Vec<usize>> = BTreeMap::new();
+    let (mut curves, mut open) = (Vec::new(), Vec::new());
+    for (number, (facets, curve)) in of_cavities.chain(of_faces).enumerate() {
+        curves.push(curve);
+        if facets.is_empty() {
+            open.push(vec![number]);
+        }
+        facets.iter().for_each(|&facet| on_face.entry(facet).or_default().push(number));
+    }
+    let together: BTreeSet<Vec<usize>> = on_face.into_values().chain(open).collect();
+    let largest = |together: &Vec<usize>| {
+        let bends = together.iter().flat_map(|&number| match curves[number] {
+            Curve::Proportional(_) => Vec::new(),
+            Curve::Table(points) => points.iter().map(|point| LoadParameter(point[0])).collect(),
+        });
+        let sum = |at: LoadParameter| together.iter().map(|&number| curves[number].at(at)).sum::<f64>().abs();
+        bends.chain([end]).map(sum).fold(0.0, f64::max)
+    };
+    together.iter().map(largest).fold(0.0, f64::max)
 }
 
 /// Largest absolute value of a curve along the load path.
@@ -262,6 +286,21 @@ mod tests {
             said(&Problem { cavities: vec![cavity], ..right.clone() })
         };
         assert_eq!((pressure(0.03), pressure(30.0), pressure(3e-5)), (vec![], vec![Units], vec![Units]));
+    }
+
+    /// The greatest sum on a face, not the sum of the greatest; what is on other faces does not count.
+    #[test]
+    fn pressures_add_up_face_by_face() {
+        let face = |element| Facet { element, face: 0 };
+        let of = |elements: &[u32], points: &[[f64; 2]]| {
+            let facets = elements.iter().copied().map(face).collect();
+            Load::Pressure { facets, curve: Curve::Table(points.to_vec()) }
+        };
+        let largest = |loads: Vec<Load>| largest_pressure(&Problem { loads, ..block(10.0) }, LoadParameter(1.0));
+        let (up, peak) = ([[0.0, 0.0], [1.0, 3.0]], [[0.0, 0.0], [0.5, 4.0], [1.0, 0.0]]);
+        assert_eq!(largest(vec![of(&[0, 1], &up), of(&[1], &up), of(&[2], &up)]), 6.0);
+        assert_eq!(largest(vec![of(&[0], &up), of(&[0], &peak)]), 5.5);
+        assert_eq!(largest(vec![of(&[0], &[[0.0, 0.0], [1.0, 30.0]]), of(&[0], &[[0.0, 0.0], [1.0, -29.0]])]), 1.0);
     }
 
     #[test]
