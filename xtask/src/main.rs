@@ -4,6 +4,7 @@
 mod bench;
 mod corpus;
 mod fuzz;
+mod kills;
 mod program;
 mod relations;
 mod report_test;
@@ -21,6 +22,8 @@ tasks:
   corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
+            [--draws N] [--seed S]
+  kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S]
   relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
             turned, split, resumed, ...; fails if one has two, and writes it into target/relations
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Some("bench") => bench::run(&arguments[1..]),
         Some("corpus") => corpus::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
+        Some("kills") => kills::run(&arguments[1..]),
         Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
