@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use pneuflex_verification::relations::{Dice, Draw, Form, Scale};
 use serde_json::Value;
 
-use crate::program;
+use crate::{program, record};
 
 /// Problems to choose from.
 const PROBLEMS: usize = 60;
@@ -56,6 +56,8 @@ pub fn run(arguments: &[String]) -> ExitCode {
 /// How many runs lost something.
 fn all(arguments: &[String]) -> Result<usize, String> {
     let (mut draws, mut seed) = (100, 1);
+    let is_recorded = arguments.iter().any(|argument| argument == "--docs");
+    let arguments: Vec<&String> = arguments.iter().filter(|argument| *argument != "--docs").collect();
     for pair in arguments.chunks(2) {
         match (pair[0].as_str(), pair.get(1).and_then(|text| text.parse::<u64>().ok())) {
             ("--draws", Some(number)) => draws = number.min(1_000_000) as usize,
@@ -91,7 +93,7 @@ fn all(arguments: &[String]) -> Result<usize, String> {
     }
     let kinds = |kind: &str| problems.iter().filter(|problem| problem.kind == kind).count();
     let stopped = problems.iter().filter(|problem| problem.left.exit != Some(0)).count();
-    println!(
+    let text = format!(
         "{draws} runs of {} problems ({} case files, {} models of actuators, {} of decks, {} of meshes; {stopped} stop on the way): {} killed, \
          of these {} once more while they went on; {lost} lost anything",
         problems.len(),
@@ -102,6 +104,13 @@ fn all(arguments: &[String]) -> Result<usize, String> {
         killed[0],
         killed[1],
     );
+    println!("{text}");
+    if is_recorded {
+        record::write(
+            "Killed runs",
+            &format!("{text}. Numbers are compared to {SAME:e}, with the exit code and the list of files.\n"),
+        )?;
+    }
     Ok(lost)
 }
 
