@@ -1,5 +1,6 @@
 //! `cargo xtask relations`: random problems, each written in two ways that must have one solution.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,8 +39,8 @@ pub fn run(arguments: &[String]) -> ExitCode {
     }
     let Report { relations: tallies, ends, .. } = report;
     println!("{}", table(&tallies, options.draws.len()));
-    for (why, count) in &ends {
-        println!("{count:5} drawn problems: {}", why.chars().take(150).collect::<String>());
+    for (why, count) in kinds(&ends) {
+        println!("{count:5} drawn problems: {why}");
     }
     let broken: usize = tallies.iter().map(|(_, tally)| tally.broken).sum();
     if broken == 0 {
@@ -47,6 +48,17 @@ pub fn run(arguments: &[String]) -> ExitCode {
     }
     println!("{broken} do not hold; the problems are in {}", folder.display());
     ExitCode::FAILURE
+}
+
+/// Ends without the numbers of their problem, and how many have them.
+fn kinds(ends: &BTreeMap<String, usize>) -> BTreeMap<String, usize> {
+    let mut found = BTreeMap::new();
+    for (why, count) in ends {
+        let why = why.rsplit(" is out of range: ").next().unwrap_or_default();
+        let why: String = why.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).take(60).collect();
+        *found.entry(why).or_default() += count;
+    }
+    found
 }
 
 fn parse(arguments: &[String]) -> Result<Request, String> {

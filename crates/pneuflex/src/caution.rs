@@ -211,33 +211,41 @@ fn largest_pressure(problem: &Problem, end: LoadParameter) -> f64 {
     }
     let together: BTreeSet<Vec<usize>> = on_face.into_values().chain(open).collect();
     let largest = |together: &Vec<usize>| {
-        let bends = together.iter().flat_map(|&number| match curves[number] {
-            Curve::Proportional(_) => Vec::new(),
-            Curve::Table(points) => points.iter().map(|point| LoadParameter(point[0])).collect(),
-        });
         let sum = |at: LoadParameter| together.iter().map(|&number| curves[number].at(at)).sum::<f64>().abs();
-        bends.chain([end]).map(sum).fold(0.0, f64::max)
+        bends(together.iter().map(|&number| curves[number]), end).into_iter().map(sum).fold(0.0, f64::max)
     };
     together.iter().map(largest).fold(0.0, f64::max)
 }
 
-/// Largest absolute value of a curve along the load path.
-fn peak(curve: &Curve, end: LoadParameter) -> f64 {
-    match curve {
-        Curve::Proportional(_) => curve.at(end).abs(),
-        Curve::Table(points) => points.iter().map(|point| point[1].abs()).fold(0.0, f64::max),
-    }
+/// Where the greatest sum of curves may be: at their bends and at the end.
+fn bends<'a>(curves: impl IntoIterator<Item = &'a Curve>, end: LoadParameter) -> Vec<LoadParameter> {
+    let of_curve = |curve: &Curve| match curve {
+        Curve::Proportional(_) => Vec::new(),
+        Curve::Table(points) => points.iter().map(|point| LoadParameter(point[0])).collect(),
+    };
+    curves.into_iter().flat_map(of_curve).chain([end]).collect()
 }
 
+/// Accelerations of the same elements add up, however they are divided among loads: a deck's has one for every axis.
 fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
-    let of_load = |load: &Load| {
-        let Load::Gravity { acceleration, curve, .. } = load else { return None };
-        let largest = acceleration.iter().map(|a| a * a).sum::<f64>().sqrt() * peak(curve, end);
+    let mut of_elements: BTreeMap<Option<&Vec<u32>>, Vec<([f64; 3], &Curve)>> = BTreeMap::new();
+    for load in &problem.loads {
+        if let Load::Gravity { elements, acceleration, curve } = load {
+            of_elements.entry(elements.as_ref()).or_default().push((*acceleration, curve));
+        }
+    }
+    let of_group = |group: Vec<([f64; 3], &Curve)>| {
+        let at = |time: LoadParameter| {
+            let along =
+                |d: usize| group.iter().map(|(acceleration, curve)| acceleration[d] * curve.at(time)).sum::<f64>();
+            (0..3).map(|d| along(d).powi(2)).sum::<f64>().sqrt()
+        };
+        let largest = bends(group.iter().map(|(_, curve)| *curve), end).into_iter().map(at).fold(0.0, f64::max);
         let message = format!("the acceleration is {largest:.4} mm/s2; on earth it is 9810");
         let advice = "gravity.acceleration is in mm/s2: [0, 0, -9810] with z upwards";
         (largest > 0.0 && is_unusual(largest, ACCELERATION)).then(|| warning(WarningKind::Units, message, advice))
     };
-    problem.loads.iter().filter_map(of_load).collect()
+    of_elements.into_values().filter_map(of_group).collect()
 }
 
 #[cfg(test)]
@@ -280,6 +288,13 @@ mod tests {
             said(&Problem { loads: vec![load], ..right.clone() })
         };
         assert_eq!((gravity(9810.0), gravity(9.81)), (vec![], vec![Units]));
+        let along = |axis: usize, g: f64| {
+            let acceleration = std::array::from_fn(|d| if d == axis { g } else { 0.0 });
+            Load::Gravity { elements: None, acceleration, curve: Curve::Table(vec![[0.0, 0.0], [1.0, 1.0]]) }
+        };
+        let weighs = |loads: Vec<Load>| said(&Problem { loads, ..right.clone() });
+        assert_eq!(weighs(vec![along(0, 8e5), along(2, -8e5)]), [Units]);
+        assert_eq!(weighs(vec![along(0, 60.0), along(0, 60.0), along(2, 5.0)]), []);
         let pressure = |mpa: f64| {
             let control = Control::Pressure(Curve::Table(vec![[0.0, 0.0], [1.0, mpa]]));
             let cavity = Cavity { name: "air".into(), facets: Vec::new(), control };
