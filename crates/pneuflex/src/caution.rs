@@ -226,15 +226,18 @@ fn bends<'a>(curves: impl IntoIterator<Item = &'a Curve>, end: LoadParameter) ->
     curves.into_iter().flat_map(of_curve).chain([end]).collect()
 }
 
+/// An acceleration, mm/s², and its factor.
+type Weight<'a> = ([f64; 3], &'a Curve);
+
 /// Accelerations of the same elements add up, however they are divided among loads: a deck's has one for every axis.
 fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
-    let mut of_elements: BTreeMap<Option<&Vec<u32>>, Vec<([f64; 3], &Curve)>> = BTreeMap::new();
+    let mut of_elements: BTreeMap<Option<&Vec<u32>>, Vec<Weight<'_>>> = BTreeMap::new();
     for load in &problem.loads {
         if let Load::Gravity { elements, acceleration, curve } = load {
             of_elements.entry(elements.as_ref()).or_default().push((*acceleration, curve));
         }
     }
-    let of_group = |group: Vec<([f64; 3], &Curve)>| {
+    let of_group = |group: Vec<Weight<'_>>| {
         let at = |time: LoadParameter| {
             let along =
                 |d: usize| group.iter().map(|(acceleration, curve)| acceleration[d] * curve.at(time)).sum::<f64>();
