@@ -52,7 +52,7 @@ impl Path {
         let loaded = start.moved_to(wanted);
         let assembled = self.system.residual(&loaded)?;
         let change = self.motion.change(&loaded);
-        let (assembled, tangent) = self.met(&loaded, assembled, tangent)?;
+        let (assembled, tangent) = self.met(start, &loaded, assembled, tangent)?;
         let correction = self.system.solve(&tangent, &assembled, change.as_deref())?;
         if self.first_rate.is_none() {
             self.first_rate = stability::compliance(&mut self.system, &tangent, start, &correction)?;
@@ -62,13 +62,21 @@ impl Path {
     }
 
     /// Where moving obstacles reach points that carry nothing yet, their forces are in the residual but not in the factor: the guess would throw
-    /// the body away from them, beyond other obstacles even. It then comes from a tangent that knows them.
-    fn met(&mut self, loaded: &State, assembled: Assembled, tangent: Tangent) -> Result<(Assembled, Tangent), Cause> {
+    /// the body away from them, beyond other obstacles even. It then comes from a tangent that knows them. What it carries follows from the
+    /// equilibrium alone: what was predicted last a checkpoint does not know.
+    fn met(
+        &mut self,
+        start: &State,
+        loaded: &State,
+        assembled: Assembled,
+        tangent: Tangent,
+    ) -> Result<(Assembled, Tangent), Cause> {
         if !self.has_moving_obstacles || assembled.contact_points <= self.equilibrium.contact_points {
             return Ok((assembled, tangent));
         }
         self.system.recycle(Some(tangent));
         self.iterations += 1;
+        self.system.predict(&start.displacement, None);
         Ok(self.system.tangent(loaded)?)
     }
 
