@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use pneuflex_verification::mutation::{Options, run as damage};
 use pneuflex_verification::relations::Files;
 
-use crate::program;
+use crate::{program, record};
 
 /// Larger files take too long to be read thousands of times.
 const MOST_BYTES: usize = 60_000;
@@ -15,6 +15,8 @@ const MOST_BYTES: usize = 60_000;
 pub fn run(arguments: &[String]) -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut options = Options { inputs: 10_000, seed: 1, seeds: fixtures(&root.join("fixtures")) };
+    let is_recorded = arguments.iter().any(|argument| argument == "--docs");
+    let arguments: Vec<String> = arguments.iter().filter(|argument| *argument != "--docs").cloned().collect();
     for pair in arguments.chunks(2) {
         let number = pair.get(1).and_then(|text| text.parse::<u64>().ok());
         match (pair[0].as_str(), number) {
@@ -43,7 +45,25 @@ pub fn run(arguments: &[String]) -> ExitCode {
         let reader = &tally.reader;
         println!("{reader:20} {:9} {:9} {:9}  {:.2} s", tally.tried, tally.read, tally.refused, tally.longest);
     }
-    match found.into_inner() {
+    let found = found.into_inner();
+    if is_recorded {
+        let mut text = format!(
+            "{} damaged inputs (seed {}) of every reader in one process, overflow checks on: {found} that panicked or took too long.\n\n\
+             | damaged file | inputs | read | refused | longest |\n|---|---|---|---|---|\n",
+            options.inputs, options.seed
+        );
+        for tally in &tallies {
+            text += &format!(
+                "| {} | {} | {} | {} | {:.2} s |\n",
+                tally.reader, tally.tried, tally.read, tally.refused, tally.longest
+            );
+        }
+        if let Err(error) = record::write("Damaged inputs", &text) {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    match found {
         0 => ExitCode::SUCCESS,
         wrong => {
             println!("{wrong} inputs that a reader cannot bear are in {}", folder.display());

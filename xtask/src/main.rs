@@ -2,9 +2,12 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod cases;
 mod corpus;
 mod fuzz;
+mod kills;
 mod program;
+mod record;
 mod relations;
 mod report_test;
 mod tidy;
@@ -18,13 +21,17 @@ const USAGE: &str = "usage: cargo xtask TASK
 tasks:
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
+  cases     small inputs that were once answered wrongly: each must have its right value
   corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
-            [--draws N] [--seed S]
+            [--draws N] [--seed S] [--docs]
+  kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
+            [--draws N] [--seed S] [--docs]
   relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
-            turned, split, resumed, ...; fails if one has two, and writes it into target/relations
-            [--quick] [--draws N] [--seed S] [--from NUMBER] [--only PART OF A NAME]
+            turned, split, resumed, ...; fails if one has two, and writes it into target/relations;
+            --docs of this and of fuzz and kills writes what was found into docs/relations.md
+            [--quick] [--draws N] [--seed S] [--from NUMBER] [--only PART OF A NAME] [--docs]
   report-test [RESULT_DIR]
             open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
             target/report-test
@@ -40,8 +47,10 @@ fn main() -> ExitCode {
     let rest: Vec<&str> = arguments.iter().skip(1).map(String::as_str).collect();
     match arguments.first().map(String::as_str) {
         Some("bench") => bench::run(&arguments[1..]),
+        Some("cases") if rest.is_empty() => cases::run(),
         Some("corpus") => corpus::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
+        Some("kills") => kills::run(&arguments[1..]),
         Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),

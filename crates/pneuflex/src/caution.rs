@@ -1,6 +1,9 @@
 //! What to be careful about that is known before anything is solved: units, shapes of elements, what stands for two. All of it is found in
 //! the problem's data, whatever kind of file it came from.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use pneuflex_mesh::Facet;
 use pneuflex_model::load::Load;
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Asymmetry, BoxSide, Control, Curve, LoadParameter, Material, Probe, Problem, ProblemPart};
@@ -187,33 +190,65 @@ fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
     found
 }
 
-/// Largest pressure that is prescribed, MPa.
+/// Largest pressure that is prescribed, MPa: pressures on one face add up, however they are divided among tables.
 fn largest_pressure(problem: &Problem, end: LoadParameter) -> f64 {
     let of_cavities = problem.cavities.iter().filter_map(|cavity| match &cavity.control {
-        Control::Pressure(curve) => Some(curve),
+        Control::Pressure(curve) => Some((&cavity.facets, curve)),
         Control::Volume(_) | Control::Gas(_) => None,
     });
-    let of_faces = problem.loads.iter().filter(|load| matches!(load, Load::Pressure { .. })).map(Load::curve);
-    of_cavities.chain(of_faces).map(|curve| peak(curve, end)).fold(0.0, f64::max)
-}
-
-/// Largest absolute value of a curve along the load path.
-fn peak(curve: &Curve, end: LoadParameter) -> f64 {
-    match curve {
-        Curve::Proportional(_) => curve.at(end).abs(),
-        Curve::Table(points) => points.iter().map(|point| point[1].abs()).fold(0.0, f64::max),
+    let of_faces = problem.loads.iter().filter_map(|load| match load {
+        Load::Pressure { facets, curve } => Some((facets, curve)),
+        Load::Force { .. } | Load::Traction { .. } | Load::Gravity { .. } => None,
+    });
+    let mut on_face: BTreeMap<Facet, Vec<usize>> = BTreeMap::new();
+    let (mut curves, mut open) = (Vec::new(), Vec::new());
+    for (number, (facets, curve)) in of_cavities.chain(of_faces).enumerate() {
+        curves.push(curve);
+        if facets.is_empty() {
+            open.push(vec![number]);
+        }
+        facets.iter().for_each(|&facet| on_face.entry(facet).or_default().push(number));
     }
+    let together: BTreeSet<Vec<usize>> = on_face.into_values().chain(open).collect();
+    let largest = |together: &Vec<usize>| {
+        let sum = |at: LoadParameter| together.iter().map(|&number| curves[number].at(at)).sum::<f64>().abs();
+        bends(together.iter().map(|&number| curves[number]), end).into_iter().map(sum).fold(0.0, f64::max)
+    };
+    together.iter().map(largest).fold(0.0, f64::max)
 }
 
+/// Where the greatest sum of curves may be: at their bends and at the end.
+fn bends<'a>(curves: impl IntoIterator<Item = &'a Curve>, end: LoadParameter) -> Vec<LoadParameter> {
+    let of_curve = |curve: &Curve| match curve {
+        Curve::Proportional(_) => Vec::new(),
+        Curve::Table(points) => points.iter().map(|point| LoadParameter(point[0])).collect(),
+    };
+    curves.into_iter().flat_map(of_curve).chain([end]).collect()
+}
+
+/// An acceleration, mm/s², and its factor.
+type Weight<'a> = ([f64; 3], &'a Curve);
+
+/// Accelerations of the same elements add up, however they are divided among loads: a deck's has one for every axis.
 fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
-    let of_load = |load: &Load| {
-        let Load::Gravity { acceleration, curve, .. } = load else { return None };
-        let largest = acceleration.iter().map(|a| a * a).sum::<f64>().sqrt() * peak(curve, end);
+    let mut of_elements: BTreeMap<Option<&Vec<u32>>, Vec<Weight<'_>>> = BTreeMap::new();
+    for load in &problem.loads {
+        if let Load::Gravity { elements, acceleration, curve } = load {
+            of_elements.entry(elements.as_ref()).or_default().push((*acceleration, curve));
+        }
+    }
+    let of_group = |group: Vec<Weight<'_>>| {
+        let at = |time: LoadParameter| {
+            let along =
+                |d: usize| group.iter().map(|(acceleration, curve)| acceleration[d] * curve.at(time)).sum::<f64>();
+            (0..3).map(|d| along(d).powi(2)).sum::<f64>().sqrt()
+        };
+        let largest = bends(group.iter().map(|(_, curve)| *curve), end).into_iter().map(at).fold(0.0, f64::max);
         let message = format!("the acceleration is {largest:.4} mm/s2; on earth it is 9810");
         let advice = "gravity.acceleration is in mm/s2: [0, 0, -9810] with z upwards";
         (largest > 0.0 && is_unusual(largest, ACCELERATION)).then(|| warning(WarningKind::Units, message, advice))
     };
-    problem.loads.iter().filter_map(of_load).collect()
+    of_elements.into_values().filter_map(of_group).collect()
 }
 
 #[cfg(test)]
@@ -256,12 +291,34 @@ mod tests {
             said(&Problem { loads: vec![load], ..right.clone() })
         };
         assert_eq!((gravity(9810.0), gravity(9.81)), (vec![], vec![Units]));
+        let along = |axis: usize, g: f64| {
+            let acceleration = std::array::from_fn(|d| if d == axis { g } else { 0.0 });
+            Load::Gravity { elements: None, acceleration, curve: Curve::Table(vec![[0.0, 0.0], [1.0, 1.0]]) }
+        };
+        let weighs = |loads: Vec<Load>| said(&Problem { loads, ..right.clone() });
+        assert_eq!(weighs(vec![along(0, 8e5), along(2, -8e5)]), [Units]);
+        assert_eq!(weighs(vec![along(0, 60.0), along(0, 60.0), along(2, 5.0)]), []);
         let pressure = |mpa: f64| {
             let control = Control::Pressure(Curve::Table(vec![[0.0, 0.0], [1.0, mpa]]));
             let cavity = Cavity { name: "air".into(), facets: Vec::new(), control };
             said(&Problem { cavities: vec![cavity], ..right.clone() })
         };
         assert_eq!((pressure(0.03), pressure(30.0), pressure(3e-5)), (vec![], vec![Units], vec![Units]));
+    }
+
+    /// The greatest sum on a face, not the sum of the greatest; what is on other faces does not count.
+    #[test]
+    fn pressures_add_up_face_by_face() {
+        let face = |element| Facet { element, face: 0 };
+        let of = |elements: &[u32], points: &[[f64; 2]]| {
+            let facets = elements.iter().copied().map(face).collect();
+            Load::Pressure { facets, curve: Curve::Table(points.to_vec()) }
+        };
+        let largest = |loads: Vec<Load>| largest_pressure(&Problem { loads, ..block(10.0) }, LoadParameter(1.0));
+        let (up, peak) = ([[0.0, 0.0], [1.0, 3.0]], [[0.0, 0.0], [0.5, 4.0], [1.0, 0.0]]);
+        assert_eq!(largest(vec![of(&[0, 1], &up), of(&[1], &up), of(&[2], &up)]), 6.0);
+        assert_eq!(largest(vec![of(&[0], &up), of(&[0], &peak)]), 5.5);
+        assert_eq!(largest(vec![of(&[0], &[[0.0, 0.0], [1.0, 30.0]]), of(&[0], &[[0.0, 0.0], [1.0, -29.0]])]), 1.0);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use pneuflex_model::load::Load;
 use pneuflex_model::{Control, LoadParameter, Problem};
 use pneuflex_newton::{Cause, Failure, UnstableMotions, loose_parts};
-use pneuflex_post::stress::recover;
+use pneuflex_post::stress::{first_largest, recover};
 use serde::Serialize;
 
 use crate::holding;
@@ -128,7 +128,7 @@ impl End<'_> {
         }
         let stress = recover(self.problem, self.displacement).ok()?;
         let beyond = stress.beyond_limit(self.problem);
-        let worst = beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3));
+        let worst = first_largest(beyond.iter(), |(_, point, _)| point.invariant_minus_3);
         let (element, at, what, count) = match worst {
             Some((element, point, limit)) => {
                 let excess = point.invariant_minus_3;
@@ -139,7 +139,7 @@ impl End<'_> {
             }
             None => {
                 let unstable = stress.unstable();
-                let (element, point) = unstable.iter().max_by(|(_, a), (_, b)| a.von_mises.total_cmp(&b.von_mises))?;
+                let (element, point) = first_largest(unstable.iter(), |(_, point)| point.von_mises)?;
                 let what = "its constants answer more strain with less stress".to_owned();
                 (*element, point.position, what, unstable.len())
             }

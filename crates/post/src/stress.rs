@@ -250,7 +250,7 @@ impl StressField {
     /// The largest value has no limit under refinement at the actuator's re-entrant edges (theory §3.8): read it
     /// together with [`StressField::von_mises_quantile`] and the position.
     pub fn largest_von_mises(&self) -> Option<&StressPoint> {
-        self.points.iter().max_by(|a, b| a.von_mises.total_cmp(&b.von_mises))
+        first_largest(self.points.iter(), |point| point.von_mises)
     }
 
     /// Integration points at which their material has no stiffness left ([`material_limit`]): element, point and limit.
@@ -365,6 +365,15 @@ impl StressField {
 
 fn monomials([x, y, z]: [f64; 3]) -> [f64; 8] {
     [1.0, x, y, z, x * y, y * z, x * z, x * y * z]
+}
+
+/// The first of those whose value is the largest: within rounding, since a symmetric body has its largest stress twice, and the last digit
+/// must not choose between the two.
+pub fn first_largest<T>(things: impl Iterator<Item = T> + Clone, value: impl Fn(&T) -> f64) -> Option<T> {
+    const ROUNDING: f64 = 1e-9;
+    let largest = things.clone().map(|thing| value(&thing)).max_by(f64::total_cmp)?;
+    let least = largest - ROUNDING * largest.abs();
+    things.into_iter().find(|thing| value(thing).total_cmp(&least).is_ge())
 }
 
 #[cfg(test)]
@@ -507,6 +516,12 @@ mod tests {
         };
         assert_eq!((field.von_mises_quantile(0.5), field.von_mises_quantile(0.99)), (1.0, 5.0));
         assert_eq!((field.von_mises_quantile(1.0), field.largest_von_mises().unwrap().von_mises), (9.0, 9.0));
+        let first = |values: &[f64]| first_largest(values.iter().enumerate(), |(_, value)| **value).map(|(i, _)| i);
+        assert_eq!(
+            (first(&[1.0, 3.0, 3.0 + 1e-12]), first(&[1.0, 3.0, 3.0 + 1e-6]), first(&[])),
+            (Some(1), Some(2), None)
+        );
+        assert_eq!(first(&[-2.0, -1.0, -1.0]), Some(1));
     }
 
     #[test]

@@ -298,7 +298,7 @@ fn joined(warnings: [Option<String>; 2]) -> Option<String> {
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_limit(problem);
-    let worst = beyond.iter().max_by(|(_, a, _), (_, b, _)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3));
+    let worst = stress::first_largest(beyond.iter(), |(_, point, _)| point.invariant_minus_3);
     let Some((_, worst, limit)) = worst else { return instability_warning(stress) };
     let [x, y, z] = worst.position;
     Some(format!(
@@ -311,7 +311,7 @@ fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<S
 /// For laws without a limit of the invariant.
 fn instability_warning(stress: &stress::StressField) -> Option<String> {
     let unstable = stress.unstable();
-    let (_, worst) = unstable.iter().max_by(|(_, a), (_, b)| a.invariant_minus_3.total_cmp(&b.invariant_minus_3))?;
+    let (_, worst) = stress::first_largest(unstable.iter(), |(_, point)| point.invariant_minus_3)?;
     let [x, y, z] = worst.position;
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: there these constants answer more strain \

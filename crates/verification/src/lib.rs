@@ -16,7 +16,7 @@
 //! * [`hertz`]: a sphere on a block.
 //!
 //! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
-//! (`cargo xtask fuzz`).
+//! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`).
 //!
 //! Exact solutions are those of incompressible Yeoh material and are derived where they are used; [`yeoh`] has its own formulas
 //! for the energy. Units: mm, N, MPa.
@@ -27,6 +27,7 @@ pub mod body;
 pub mod contact_patch;
 pub mod hertz;
 pub mod homogeneous;
+pub mod known_cases;
 pub mod manufactured;
 pub mod mutation;
 pub mod relations;

@@ -110,6 +110,12 @@ fn material(dice: &mut Dice) -> Material {
     Material { bulk_modulus, volumetric, density, ..sample }
 }
 
+/// A stiff one, or any, which has a weight if the first has.
+fn other_material(dice: &mut Dice, first: &Material) -> Material {
+    let other = if dice.chance(0.5) { Material::yeoh(1.5, 0.0, 0.0) } else { material(dice) };
+    Material { density: first.density, ..other }
+}
+
 /// A function of time that reaches a value, all of them ending at `end`.
 fn series(dice: &mut Dice, value: f64, end: f64) -> Series {
     if dice.chance(0.6) {
@@ -170,40 +176,76 @@ fn mesh_options(dice: &mut Dice, scale: Scale) -> MeshOptions {
     MeshOptions {
         resolution: dice.maybe(0.2, |_| Resolution::Draft),
         size: Some(if dice.chance(0.5) { Size::PerAxis(size) } else { Size::Uniform(size[1]) }),
-        edge_size: None,
+        edge_size: dice.maybe(0.15, |_| 0.6 * size[0]),
         wall_elements: dice.maybe(0.3, |_| 1),
         element: Some(element),
     }
 }
 
-/// An obstacle below a body that reaches from `low` to `high`, hardly or not yet touched.
-fn obstacle(dice: &mut Dice, [low, high]: [[f64; 3]; 2], name: &str, faces: Option<String>) -> ObstacleTable {
+/// What a body that is not in the way of an obstacle yet offers it: its corners, and how far its contact points are apart.
+struct Target {
+    corners: [[f64; 3]; 2],
+    spacing: f64,
+}
+
+impl Target {
+    /// Gauss points, four along an edge of a face, are apart by 0.34 of the edge at the most.
+    fn new(corners: [[f64; 3]; 2], edge: f64) -> Self {
+        Self { corners, spacing: 0.34 * edge }
+    }
+}
+
+/// An obstacle below a body, hardly or not yet touched; beside the middle plane now and then.
+fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>) -> ObstacleTable {
+    let [low, high] = target.corners;
     let [length, height] = [high[0] - low[0], high[2] - low[2]];
     let shape = dice.one_of(&[ShapeName::Plane, ShapeName::Sphere, ShapeName::Cylinder, ShapeName::Cuboid]);
-    let gap = dice.one_of(&[0.0, 0.02, 0.1]) * height;
-    let radius = dice.between(0.3, 0.8) * height;
-    let middle = 0.5 * (low[1] + high[1]);
-    let across = if low[1] == 0.0 { 0.0 } else { middle };
+    let slope: f64 = dice.one_of(&[0.0, -0.05]);
+    // An inclined plane rises towards the end of the body.
+    let rise = if shape == ShapeName::Plane { 0.5 * slope.abs() * length } else { 0.0 };
+    let gap = dice.one_of(&[0.0, 0.02, 0.1]) * height + rise;
+    // A point that is deeper in an obstacle than it is from its side leaves it there. Where an edge of a cuboid lies between two points, a body
+    // can rest on it or slide past it, and the way there decides: cuboids are wider than twice the distance of the points, so that none falls
+    // through between the two sides.
+    let least = if shape == ShapeName::Cuboid { 2.0 * target.spacing } else { 0.0 };
+    let radius = (dice.between(0.3, 0.8) * height).max(least);
+    let is_half = low[1] == 0.0;
+    let middle = if is_half { 0.0 } else { 0.5 * (low[1] + high[1]) };
+    // On one side of the plane of symmetry, all of it: of a half there are two then. Or cut by it, which a half has to refuse.
+    let beside = dice.one_of(&[0.0, 0.0, 0.0, 0.0, 1.05, if is_half { 0.4 } else { -1.1 }]);
+    let across = middle + beside * radius;
     let along = low[0] + dice.between(0.5, 0.9) * length;
     let centre = [along, across, low[2] - gap - radius];
     let is_hollow = dice.chance(0.15);
     let is = |shapes: &[ShapeName]| shapes.contains(&shape);
     let is_tube = is_hollow && shape == ShapeName::Cylinder;
-    let around = (high[1] - across).hypot(0.5 * height) * 1.02;
+    let is_shell = is_hollow && shape == ShapeName::Sphere;
+    let inside = [0.5 * (low[0] + high[0]), middle, 0.5 * (low[2] + high[2])];
+    let around = (high[1] - middle).hypot(0.5 * height) * 1.02;
+    let about = around.hypot(0.5 * length) * 1.02;
     ObstacleTable {
         name: name.to_owned(),
         shape,
         faces,
         point: is(&[ShapeName::Plane, ShapeName::Cylinder]).then_some(match shape {
             ShapeName::Plane => [along, across, low[2] - gap],
-            _ if is_tube => [along, across, low[2] + 0.5 * height],
+            _ if is_tube => [along, middle, inside[2]],
             _ => centre,
         }),
-        normal: is(&[ShapeName::Plane]).then(|| [dice.one_of(&[0.0, -0.05]), 0.0, 2.0]),
-        centre: is(&[ShapeName::Sphere, ShapeName::Cuboid]).then_some(centre),
-        axis: is(&[ShapeName::Cylinder]).then_some(if is_tube { [1.0, 0.0, 0.0] } else { [0.0, 2.0, 0.0] }),
-        radius: is(&[ShapeName::Sphere, ShapeName::Cylinder]).then_some(if is_tube { around } else { radius }),
-        hollow: is_tube.then_some(true),
+        normal: is(&[ShapeName::Plane]).then_some([slope, 0.0, 2.0]),
+        centre: is(&[ShapeName::Sphere, ShapeName::Cuboid]).then_some(if is_shell { inside } else { centre }),
+        axis: is(&[ShapeName::Cylinder]).then_some(match beside {
+            _ if is_tube => [1.0, 0.0, 0.0],
+            0.0 => [0.0, 2.0, 0.0],
+            _ => [1.0, 0.0, 0.0],
+        }),
+        radius: match shape {
+            ShapeName::Sphere | ShapeName::Cylinder if is_tube => Some(around),
+            ShapeName::Sphere if is_shell => Some(about),
+            ShapeName::Sphere | ShapeName::Cylinder => Some(radius),
+            ShapeName::Plane | ShapeName::Cuboid => None,
+        },
+        hollow: (is_tube || is_shell).then_some(true),
         size: is(&[ShapeName::Cuboid]).then_some([radius, 2.0 * radius, 2.0 * radius]),
         edge_radius: is(&[ShapeName::Cuboid]).then_some(0.2 * radius),
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
@@ -219,9 +261,23 @@ fn box_of(actuator: &Actuator) -> [[f64; 3]; 2] {
     [[0.0, low, 0.0], [actuator.length(), half, actuator.height]]
 }
 
+fn title(dice: &mut Dice) -> String {
+    if dice.chance(0.5) { "a \"drawn\" problem".to_owned() } else { String::new() }
+}
+
+/// Longest edge of an element of an actuator's mesh, mm.
+fn edge(mesh: &MeshOptions) -> f64 {
+    match mesh.size {
+        Some(Size::Uniform(edge)) => edge,
+        Some(Size::PerAxis(edges)) => edges.into_iter().fold(0.0, f64::max),
+        None => 0.0,
+    }
+}
+
 fn probes(dice: &mut Dice, [low, high]: [[f64; 3]; 2]) -> Vec<Probe> {
     let count = dice.one_of(&[0, 1, 2]);
-    // Nowhere halfway between two nodes, where rounding would choose one.
+    // Nowhere halfway between two nodes: a probe shows the nearest one, and of two that are as near rounding, or their order in the file,
+    // chooses. Which of the two it is the results say; it is not the same in a turned mesh.
     let at = |x: f64| std::array::from_fn(|d| low[d] + [x, 0.61, 0.13][d] * (high[d] - low[d]));
     (0..count).map(|i| Probe { name: format!("probe {i}"), at: at(0.97 - 0.53 * f64::from(i)) }).collect()
 }
@@ -237,11 +293,13 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
         false => dice.between(1.0, 5.0),
     };
     let extent = box_of(&actuator);
+    let mesh = mesh_options(dice, scale);
+    let target = Target::new(extent, edge(&mesh));
     let count = dice.one_of(&[0, 0, 1]);
     let faces = dice.one_of(&[None, Some("bottom".to_owned()), Some("outer".to_owned())]);
     Case {
-        title: String::new(),
-        mesh: mesh_options(dice, scale),
+        title: title(dice),
+        mesh,
         material,
         contact: Contact {
             method,
@@ -250,7 +308,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             self_contact: is_multi_point && dice.chance(0.2),
             penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         },
-        obstacles: (0..count).map(|i| obstacle(dice, extent, &format!("obstacle {i}"), faces.clone())).collect(),
+        obstacles: (0..count).map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone())).collect(),
         load: Load { pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] } },
         probes: probes(dice, extent),
         solver: Solver {
@@ -261,7 +319,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             max_step: last,
             min_step: 1e-4 * last,
         },
-        output: Output { fields: true },
+        output: Output { fields: dice.chance(0.8) },
         actuator,
     }
 }
@@ -278,16 +336,18 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
     let has_air = dice.chance(0.85);
     let count = dice.one_of(&[0, 0, 1]);
     let gap_contacts = Vec::new();
+    let mesh = mesh_options(dice, scale);
+    let target = Target::new(extent, edge(&mesh));
     Model {
-        title: String::new(),
+        title: title(dice),
         model: None,
-        mesh: mesh_options(dice, scale),
+        mesh,
         regions: dice
-            .maybe(0.25, |_| RegionTable {
+            .maybe(0.25, |dice| RegionTable {
                 name: "layer".into(),
                 elements: None,
                 within: Some(layer),
-                material: Material { density: material.density, ..Material::yeoh(1.0, 0.0, 0.0) },
+                material: other_material(dice, &material),
             })
             .into_iter()
             .collect(),
@@ -298,7 +358,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         } else {
             Vec::new()
         },
-        // Less than what buckles it: beyond, there is more than one equilibrium.
+        // Less than what buckles it: beyond, an actuator that is pushed along its axis has an equilibrium to either side, and rounding chooses.
         forces: forces(dice, "end_face", 0.1 * stiffness * solid.1, end),
         tractions: tractions(dice, "end_face", stiffness, end),
         pressures: pressures(dice, "bottom", stiffness, end),
@@ -306,14 +366,14 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         contacts: gap_contacts,
         obstacles: (0..count)
             .map(|i| {
-                let table = obstacle(dice, extent, &format!("obstacle {i}"), Some("bottom".into()));
+                let table = obstacle(dice, &target, &format!("obstacle {i}"), Some("bottom".into()));
                 moved(dice, table, 0.1 * actuator.height, end)
             })
             .collect(),
         load: Some(Times { times }),
         probes: probes(dice, extent),
         solver: steps(dice, end),
-        output: Output { fields: true },
+        output: Output { fields: dice.chance(0.8) },
         material: if dice.chance(0.8) { Some(material) } else { None },
         actuator: Some(actuator),
     }
@@ -350,10 +410,15 @@ fn cavity(dice: &mut Dice, faces: &str, shear_modulus: f64, volume: f64, end: f6
     }
 }
 
+/// Something along y, which a half has to refuse, now and then.
+fn across(dice: &mut Dice) -> f64 {
+    if dice.chance(0.15) { dice.one_of(&[-0.003, 0.002]) } else { 0.0 }
+}
+
 fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTable> {
     let table = |dice: &mut Dice| ForceTable {
         nodes: nodes.to_owned(),
-        total: [dice.between(-0.02, 0.02), 0.0, dice.between(-0.004, 0.004)].map(|x| x * strength),
+        total: [dice.between(-0.02, 0.02), across(dice), dice.between(-0.004, 0.004)].map(|x| x * strength),
         factor: factor(dice, end),
     };
     dice.maybe(0.35, table).into_iter().collect()
@@ -362,7 +427,7 @@ fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTab
 fn tractions(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<TractionTable> {
     let table = |dice: &mut Dice| TractionTable {
         faces: faces.to_owned(),
-        traction_mpa: [dice.between(-0.01, 0.01), 0.0, dice.between(-0.004, 0.004)].map(|x| x * shear_modulus),
+        traction_mpa: [dice.between(-0.01, 0.01), across(dice), dice.between(-0.004, 0.004)].map(|x| x * shear_modulus),
         factor: factor(dice, end),
     };
     dice.maybe(0.3, table).into_iter().collect()
@@ -380,7 +445,7 @@ fn gravity(dice: &mut Dice, material: &Material, end: f64) -> Option<GravityTabl
     let probability = if material.density > 0.0 { 0.5 } else { 0.03 };
     // A hundred times the earth's, to be felt.
     dice.maybe(probability, |dice| GravityTable {
-        acceleration: [dice.one_of(&[0.0, 1e5]), 0.0, -9.81e5],
+        acceleration: [dice.one_of(&[0.0, 1e5]), 1e8 * across(dice), -9.81e5],
         factor: factor(dice, end),
     })
 }
@@ -389,22 +454,30 @@ fn gravity(dice: &mut Dice, material: &Material, end: f64) -> Option<GravityTabl
 fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
     let formulation = dice.one_of(&Formulation::ALL);
     let is_half = dice.chance(0.6);
-    // A hole asks for three cells along every axis.
-    let has_hole = dice.chance(0.6) && (scale == Scale::Small || !formulation.element.is_quadratic());
+    let is_quadratic = formulation.element.is_quadratic();
+    // A hole asks for three cells along every axis, two of them for five along the first.
+    let has_hole = dice.chance(0.6) && (scale == Scale::Small || !is_quadratic);
+    let holes = if has_hole { dice.one_of(&[1, 1, 2]) } else { 0 };
     let size = [dice.between(6.0, 12.0), dice.between(3.0, 5.0), dice.between(3.0, 6.0)];
     let low = [0.0, if is_half { 0.0 } else { -size[1] }, 0.0];
     let high = [size[0], size[1], size[2]];
-    let mut cells = if has_hole { [3, if is_half { 2 } else { 4 }, 3] } else { [3, 1, 1] };
-    if scale == Scale::Tiny && formulation.element.is_quadratic() {
+    let across = match (is_half, is_quadratic) {
+        (true, _) => 2,
+        (false, true) => 3,
+        (false, false) => 4,
+    };
+    let mut cells = if has_hole { [1 + 2 * holes, across, 3] } else { [3, 1, 1] };
+    if scale == Scale::Tiny && is_quadratic {
         cells = [2, 1, 1];
     }
-    if scale == Scale::Small && !formulation.element.is_quadratic() {
+    if scale == Scale::Small && !is_quadratic && holes < 2 {
         cells = cells.map(|n| 2 * n);
     }
-    if has_hole && formulation.element.is_quadratic() && !is_half {
-        cells[1] = 3;
-    }
-    let mesh = block(formulation, low, high, cells, has_hole, is_half);
+    // A slot, whose walls meet under a load.
+    let is_slot = has_hole && dice.chance(0.3);
+    let mesh = block(formulation, [low, high], cells, holes, (is_half, is_slot));
+    let edges: [f64; 3] = std::array::from_fn(|d| (high[d] - low[d]) / cells[d] as f64);
+    let target = Target::new([low, high], edges[0].max(edges[1]));
     let material = material(dice);
     let (modulus, times) = (material.shear_modulus(), times(dice));
     let end = times[times.len() - 1];
@@ -415,8 +488,9 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         supports.push(support("y0", "y", is_declared));
     }
     if dice.chance(0.25) {
-        let displacement = [dice.between(-0.06, 0.06) * size[0], 0.0, dice.between(-0.05, 0.05) * size[2]];
-        let axes = dice.one_of(&["x", "xz", "z"]).to_owned();
+        let displacement =
+            [dice.between(-0.06, 0.06) * size[0], 10.0 * self::across(dice), dice.between(-0.05, 0.05) * size[2]];
+        let axes = dice.one_of(&["x", "xz", "z", "xyz"]).to_owned();
         let displacement = Some(displacement);
         let factor = factor(dice, end);
         supports.push(SupportTable { nodes: "x1".into(), axes, displacement, factor, symmetry: false });
@@ -426,26 +500,24 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         value: dice.maybe(0.3, |dice| series(dice, 0.02 * size[2], end)),
     };
     let is_on_lines = dice.chance(0.8);
-    let third = if is_on_lines { size[0] / cells[0].min(3) as f64 } else { 0.41 * size[0] };
+    let third = if is_on_lines { first_part(cells) * size[0] } else { 0.41 * size[0] };
     let region = |dice: &mut Dice| {
         let is_box = dice.chance(0.5);
         RegionTable {
             name: "stiff".into(),
             elements: (!is_box).then(|| "front".to_owned()),
             within: is_box.then_some([[-1.0, -99.0, -1.0], [third, 99.0, 99.0]]),
-            material: Material { density: material.density, ..Material::yeoh(1.5, 0.0, 0.0) },
+            material: other_material(dice, &material),
         }
     };
-    let contact = |dice: &mut Dice| ContactTable {
-        slave: "inner".into(),
-        master: "inner".into(),
-        stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
-        two_pass: dice.chance(0.3),
+    let contact = |dice: &mut Dice| {
+        let [slave, master] = dice.one_of(&[["inner", "inner"], ["roof", "floor"], ["floor", "roof"]]);
+        contact_table(dice, slave, master)
     };
     let hole = size[0] * area / 27.0;
     let count = dice.one_of(&[0, 0, 1, 1, 2]);
     let model = Model {
-        title: String::new(),
+        title: title(dice),
         model: Some(Source { file: String::new(), scale: 1.0 }),
         actuator: None,
         mesh: MeshOptions::default(),
@@ -453,7 +525,15 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         supports,
         equations: dice.maybe(0.15, equation).into_iter().collect(),
         cavities: if has_hole && dice.chance(0.85) {
-            vec![cavity(dice, "inner", 5.0 * modulus, 5.0 * hole, end)]
+            // Pressures beside forces and motions of the same strength; a slot is drawn together by a small vacuum.
+            let table = |dice: &mut Dice, name: &str, faces: &str| CavityTable {
+                name: name.into(),
+                ..cavity(dice, faces, 5.0 * modulus, if is_slot { 0.3 } else { 5.0 } * hole, end)
+            };
+            match holes {
+                2 => vec![table(dice, "air", "hole_0"), table(dice, "other air", "hole_1")],
+                _ => vec![table(dice, "air", "inner")],
+            }
         } else {
             Vec::new()
         },
@@ -462,46 +542,78 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
             forces(dice, nodes, modulus * area * if nodes == "tip" { 0.1 } else { 1.0 }, end)
         },
         tractions: tractions(dice, "z1", modulus, end),
-        pressures: pressures(dice, "z0", modulus, end),
+        pressures: match is_slot {
+            // Enough to close a slot.
+            true => pressures(dice, "z1", 8.0 * modulus, end),
+            false => pressures(dice, "z0", modulus, end),
+        },
         gravity: gravity(dice, &material, end),
-        contacts: if has_hole { dice.maybe(0.2, contact).into_iter().collect() } else { Vec::new() },
+        contacts: if has_hole {
+            dice.maybe(if is_slot { 0.9 } else { 0.2 }, contact).into_iter().collect()
+        } else {
+            Vec::new()
+        },
         obstacles: (0..count)
             .map(|i| {
-                let table = obstacle(dice, [low, high], &format!("obstacle {i}"), Some("z0".into()));
+                let table = obstacle(dice, &target, &format!("obstacle {i}"), Some("z0".into()));
                 moved(dice, table, 0.15 * size[2], end)
             })
             .collect(),
         load: Some(Times { times }),
         probes: probes(dice, [low, high]),
         solver: steps(dice, end),
-        output: Output { fields: true },
+        output: Output { fields: dice.chance(0.8) },
         material: Some(material),
     };
     Draw::Model(Box::new(model), Some(Body { mesh, formulation }))
+}
+
+fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {
+    ContactTable {
+        slave: slave.into(),
+        master: master.into(),
+        stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
+        two_pass: dice.chance(0.3),
+    }
 }
 
 fn support(nodes: &str, axes: &str, symmetry: bool) -> SupportTable {
     SupportTable { nodes: nodes.into(), axes: axes.into(), displacement: None, factor: None, symmetry }
 }
 
+/// About a third of a body's length, a whole number of its cells, as a share of it.
+fn first_part(cells: [usize; 3]) -> f64 {
+    (cells[0] / 3).max(1) as f64 / cells[0] as f64
+}
+
+/// A block with holes one behind the other, which slots have hardly any height in the middle cells.
 fn block(
     formulation: Formulation,
-    low: [f64; 3],
-    high: [f64; 3],
+    [low, high]: [[f64; 3]; 2],
     cells: [usize; 3],
-    has_hole: bool,
-    is_half: bool,
+    holes: usize,
+    (is_half, is_slot): (bool, bool),
 ) -> Mesh {
-    let lattice = Lattice::uniform(low, high, cells);
-    let is_hole = |cell: [usize; 3]| {
-        has_hole
-            && (0..3).all(|d| {
-                let walls = (cells[d] / 3).max(1);
-                let first = if d == 1 && is_half { 0 } else { walls };
-                (first..cells[d] - walls).contains(&cell[d])
-            })
+    let mut lattice = Lattice::uniform(low, high, cells);
+    let wall = |d: usize| if d == 0 { cells[0] / (1 + 2 * holes) } else { (cells[d] / 3).max(1) };
+    // Which hole a cell lies in.
+    let hole_of = |cell: [usize; 3]| {
+        let is_within = holes > 0
+            && (1..3).all(|d| {
+                let first = if d == 1 && is_half { 0 } else { wall(d) };
+                (first..cells[d] - wall(d)).contains(&cell[d])
+            });
+        let part = cell[0] / wall(0).max(1);
+        (is_within && part % 2 == 1 && part < 1 + 2 * holes).then_some(part / 2)
     };
-    let mut mesh = lattice.mesh(formulation.element, |cell| !is_hole(cell)).mesh;
+    if is_slot {
+        let (first, last) = (wall(2), cells[2] - wall(2));
+        let middle = 0.5 * (low[2] + high[2]);
+        for plane in &mut lattice.lines[2][first..=last] {
+            *plane = middle + 0.1 * (*plane - middle);
+        }
+    }
+    let mut mesh = lattice.mesh(formulation.element, |cell| hole_of(cell).is_none()).mesh;
     let sides = ["x0", "x1", "y0", "y1", "z0", "z1"];
     let boundary = mesh.boundary_facets();
     let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
@@ -512,13 +624,26 @@ fn block(
     };
     for facet in boundary {
         let side = side_of(&mesh, facet);
-        let name = side.map_or("inner", |side| sides[side]);
-        mesh.facet_sets.entry(name.into()).or_default().push(facet);
+        let mut names = vec![side.map_or("inner", |side| sides[side]).to_owned()];
+        if side.is_none() {
+            let corners = mesh.facet_nodes(facet);
+            let mean =
+                |d: usize| corners.iter().map(|&n| mesh.nodes[n as usize][d]).sum::<f64>() / corners.len() as f64;
+            let part = (mean(0) - low[0]) / (high[0] - low[0]) * holes as f64;
+            names.push(format!("hole_{}", part as usize));
+            let z = mesh.nodes[corners[0] as usize][2];
+            if corners.iter().all(|&node| close(mesh.nodes[node as usize][2], z)) {
+                names.push(if z < 0.5 * (low[2] + high[2]) { "floor" } else { "roof" }.to_owned());
+            }
+        }
+        for name in names {
+            mesh.facet_sets.entry(name).or_default().push(facet);
+        }
         if side.is_some_and(|side| side != 0 && !(is_half && side == 2)) {
             mesh.facet_sets.entry("outer".into()).or_default().push(facet);
         }
     }
-    let first_third = low[0] + (high[0] - low[0]) / 3.0_f64.min(cells[0] as f64);
+    let first_third = low[0] + first_part(cells) * (high[0] - low[0]);
     let corners = mesh.kind.num_corners();
     let in_front = |element: &u32| {
         let nodes = &mesh.element(*element as usize)[..corners];

@@ -76,7 +76,7 @@ impl Draw {
 }
 
 /// Whether the formulation is the one that bodies from decks and meshes get.
-fn is_default(body: &Body) -> bool {
+pub(super) fn is_default(body: &Body) -> bool {
     Formulation::of_kind(body.mesh.kind) == Some(body.formulation)
 }
 
@@ -103,7 +103,14 @@ fn recorded(Body { mesh, formulation }: &Body) -> String {
 }
 
 /// A deck with mesh and sets; `None` if no deck has such elements.
-fn deck(Body { mesh, .. }: &Body) -> Option<String> {
+fn deck(body: &Body) -> Option<String> {
+    let rest = "*MATERIAL, NAME=ANY\n*HYPERELASTIC, NEO HOOKE\n1., 0.1\n*SOLID SECTION, ELSET=ALL, MATERIAL=ANY\n*STEP, NLGEOM\n*STATIC\n\
+                *END STEP\n";
+    Some(deck_of_mesh(body)? + rest)
+}
+
+/// Nodes, elements, sets and surfaces of a deck.
+pub(super) fn deck_of_mesh(Body { mesh, .. }: &Body) -> Option<String> {
     let types = &mesh.kind.family().abaqus;
     let name = types.names.first()?;
     let mut text = String::from("*NODE, NSET=ALLNODES\n");
@@ -130,11 +137,10 @@ fn deck(Body { mesh, .. }: &Body) -> Option<String> {
             let _ = writeln!(text, "{}, S{face}", facet.element + 1);
         }
     }
-    text += "*MATERIAL, NAME=ANY\n*HYPERELASTIC, NEO HOOKE\n1., 0.1\n*SOLID SECTION, ELSET=ALL, MATERIAL=ANY\n*STEP, NLGEOM\n*STATIC\n*END STEP\n";
     Some(text)
 }
 
-fn rows(numbers: impl Iterator<Item = usize>, length: usize, end: &str) -> String {
+pub(super) fn rows(numbers: impl Iterator<Item = usize>, length: usize, end: &str) -> String {
     let numbers: Vec<String> = numbers.map(|number| number.to_string()).collect();
     numbers.chunks(length).map(|row| row.join(", ")).collect::<Vec<_>>().join(end)
 }
