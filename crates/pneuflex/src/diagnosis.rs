@@ -89,10 +89,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
         found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
     };
     let when = |step: &StepSummary| subject.problem.clock.words(step.when());
+    // A warning is headed by where it begins; its numbers are those of where it is worst.
+    let since = |first: &StepSummary, worst: &StepSummary| {
+        let begins = if first.when() == worst.when() { String::new() } else { format!("from {} on; ", when(first)) };
+        format!("{begins}at {} ", when(worst))
+    };
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
-        add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
+        add(WarningKind::MaterialLimit, Some(first), format!("{}{message}", since(first, worst)), advice);
     }
     if let (Some(first), _) = first_and_last(steps, |step| step.mesh_instability.is_some()) {
         let message = format!("at {} {}", when(first), first.mesh_instability.clone().unwrap_or_default());
@@ -101,14 +106,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     }
     if let Some((thickness, of)) = touched_thickness(subject) {
         let is_deep = |step: &StepSummary| deepest(step) > PENETRATION_SHARE * thickness;
-        if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
+        let worst = steps.iter().max_by(|a, b| deepest(a).total_cmp(&deepest(b)));
+        if let (Some(first), Some(worst)) = (steps.iter().find(|step| is_deep(step)), worst) {
             let message = format!(
-                "what touches passes through each other by {:.3} mm at {}, {:.1} % of {of}, {thickness:.3} mm",
-                deepest(last),
-                when(last),
-                100.0 * deepest(last) / thickness
+                "{}what touches passes through each other by {:.3} mm, {:.1} % of {of}, {thickness:.3} mm",
+                since(first, worst),
+                deepest(worst),
+                100.0 * deepest(worst) / thickness
             );
-            let is_obstacle = deepest(last) > last.contact.max_penetration_mm;
+            let is_obstacle = deepest(worst) > worst.contact.max_penetration_mm;
             let advice = match subject.contact.map(|contact| (contact.method, contact.stiffness)) {
                 _ if is_obstacle => "raise obstacle.stiffness".into(),
                 None => "raise the stiffness of the contact".into(),

@@ -57,12 +57,12 @@ impl OfMesh {
             self.errors
                 .iter()
                 .map(|e| of(e).abs())
-                .fold(0.0, |most: f64, error| if error <= most { most } else { error })
+                .fold(0.0, |most: f64, error| if most.is_nan() || error <= most { most } else { error })
         };
         Bounds {
             displacement: [most(&|e| e.end_face_angle), most(&|e| e.chord_angle), most(&|e| e.tip)]
                 .into_iter()
-                .fold(0.0, |most, error| if error <= most { most } else { error }),
+                .fold(0.0, |most, error| if most.is_nan() || error <= most { most } else { error }),
             volume_change: most(&|e| e.volume_change),
             stress: most(&|e| e.von_mises_p99),
         }
