@@ -140,7 +140,7 @@ impl Expected {
 /// Ranges of the table's designs.
 mod range {
     /// Shorter span of a wall over its thickness.
-    pub const SLENDERNESS: f64 = 35.0;
+    pub const SLENDERNESS: f64 = 20.0;
     /// Base over the thinnest wall.
     pub const BASE: f64 = 2.0;
     /// Thinner part of the base at the channel over the thinnest wall.
@@ -148,7 +148,7 @@ mod range {
     /// Strain that bending puts across the height over the mean strain that the air would give the section.
     pub const BENDING: f64 = 2.5;
     /// Angle per chamber, degrees.
-    pub const ANGLE: f64 = 25.0;
+    pub const ANGLE: f64 = 20.0;
 }
 
 /// What can be expected of the results `steps` for an actuator on a mesh. Without results, what is known before anything is solved.
