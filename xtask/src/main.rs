@@ -1,6 +1,7 @@
 //! Repository tasks, run as `cargo xtask TASK`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod accuracy;
 mod bench;
 mod cases;
 mod corpus;
@@ -19,6 +20,9 @@ use std::process::ExitCode;
 const USAGE: &str = "usage: cargo xtask TASK
 
 tasks:
+  accuracy  errors of the headline quantities on the program's meshes, by kind of design, as a table; fails if one is larger than
+            what the program says and it does not warn
+            [--quick] [--docs] [--only PART OF A NAME]
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
   cases     small inputs that were once answered wrongly: each must have its right value
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let rest: Vec<&str> = arguments.iter().skip(1).map(String::as_str).collect();
     match arguments.first().map(String::as_str) {
+        Some("accuracy") => accuracy::run(&arguments[1..]),
         Some("bench") => bench::run(&arguments[1..]),
         Some("cases") if rest.is_empty() => cases::run(),
         Some("corpus") => corpus::run(&arguments[1..]),

@@ -32,17 +32,16 @@ pub struct MeshOptions {
     pub element: Option<Formulation>,
 }
 
-/// How exact a mesh is. Errors of the tip's displacement are those of the default actuator at 50 kPa, see
-/// ARCHITECTURE.md.
+/// How fine a mesh is. How exact results on it are depends on the design: `cargo xtask accuracy` measures it, kind by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Resolution {
     /// To try things out.
     Draft,
-    /// Within 2 %.
+    /// To compare designs.
     #[default]
     Standard,
-    /// Within 0.7 %.
+    /// For results.
     Fine,
 }
 

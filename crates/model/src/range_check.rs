@@ -6,14 +6,21 @@ use pneuflex_mesh::{GeometryError, LENGTHS};
 
 /// A value out of range; names the key as written in the case file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} = {value} is out of range: {allowed}")]
+#[error("{key} = {value} {}: {allowed}", self.verdict())]
 pub struct CaseError {
     /// Dotted key, e.g. `mesh.size`; entries of a list by their number from 0, e.g. `probe[1].at`.
     pub key: String,
     /// The offending value as text.
     pub value: String,
-    /// What would be allowed.
+    /// What would be allowed, in words that begin with "must"; or why the value cannot be taken, and what to do.
     pub allowed: String,
+}
+
+impl CaseError {
+    /// What is wrong: a range is only spoken of where there is one.
+    fn verdict(&self) -> &'static str {
+        if self.allowed.starts_with("must ") { "is out of range" } else { "cannot be used" }
+    }
 }
 
 impl From<GeometryError> for CaseError {

@@ -9,6 +9,7 @@ use pneuflex_model::{Case, CaseError, Contact, LoadParameter, Probe, Problem, So
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
+use crate::accuracy::{Expected, expected};
 use crate::body_file::read_body;
 use crate::caution::cautions;
 use crate::derived;
@@ -202,6 +203,16 @@ impl Analysis {
         let mut found = self.cautions();
         found.extend(warnings(Subject { problem: &self.problem, actuator, contact }, states));
         found
+    }
+
+    /// How exact the results of an actuator are on its mesh; `None` for other bodies. Without states, as far as it is known before anything is
+    /// solved.
+    pub fn expected(&self, states: &[StepSummary]) -> Option<Expected> {
+        let mesh = match &self.description {
+            Description::Actuator(case) => &case.mesh,
+            Description::Model(model, _) | Description::Body(model) => &model.mesh,
+        };
+        self.actuator().map(|actuator| expected(&self.problem, actuator, mesh, states))
     }
 
     /// The part of these that is known before anything is solved.

@@ -7,6 +7,8 @@ use pneuflex_model::{Contact, ContactMethod, MeshOptions, Problem, Resolution};
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
+use crate::accuracy::{Expected, Fineness, Outside, Parameter, expected};
+
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.01;
 
@@ -53,6 +55,8 @@ pub enum WarningKind {
     Overlap,
     /// The mesh is too coarse to rely on the numbers.
     CoarseMesh,
+    /// The actuator is unlike those on which the errors of its mesh were measured.
+    Accuracy,
     /// Elements are unstable where a finer mesh is not.
     MeshInstability,
     /// Elements are badly shaped.
@@ -85,10 +89,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
         found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
     };
     let when = |step: &StepSummary| subject.problem.clock.words(step.when());
+    // A warning is headed by where it begins; its numbers are those of where it is worst.
+    let since = |first: &StepSummary, worst: &StepSummary| {
+        let begins = if first.when() == worst.when() { String::new() } else { format!("from {} on; ", when(first)) };
+        format!("{begins}at {} ", when(worst))
+    };
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
         let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
-        add(WarningKind::MaterialLimit, Some(first), format!("at {} {message}", when(worst)), advice);
+        add(WarningKind::MaterialLimit, Some(first), format!("{}{message}", since(first, worst)), advice);
     }
     if let (Some(first), _) = first_and_last(steps, |step| step.mesh_instability.is_some()) {
         let message = format!("at {} {}", when(first), first.mesh_instability.clone().unwrap_or_default());
@@ -97,14 +106,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     }
     if let Some((thickness, of)) = touched_thickness(subject) {
         let is_deep = |step: &StepSummary| deepest(step) > PENETRATION_SHARE * thickness;
-        if let (Some(first), Some(last)) = first_and_last(steps, is_deep) {
+        let worst = steps.iter().max_by(|a, b| deepest(a).total_cmp(&deepest(b)));
+        if let (Some(first), Some(worst)) = (steps.iter().find(|step| is_deep(step)), worst) {
             let message = format!(
-                "what touches passes through each other by {:.3} mm at {}, {:.1} % of {of}, {thickness:.3} mm",
-                deepest(last),
-                when(last),
-                100.0 * deepest(last) / thickness
+                "{}what touches passes through each other by {:.3} mm, {:.1} % of {of}, {thickness:.3} mm",
+                since(first, worst),
+                deepest(worst),
+                100.0 * deepest(worst) / thickness
             );
-            let is_obstacle = deepest(last) > last.contact.max_penetration_mm;
+            let is_obstacle = deepest(worst) > worst.contact.max_penetration_mm;
             let advice = match subject.contact.map(|contact| (contact.method, contact.stiffness)) {
                 _ if is_obstacle => "raise obstacle.stiffness".into(),
                 None => "raise the stiffness of the contact".into(),
@@ -126,8 +136,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
                        overlap";
         add(WarningKind::Overlap, Some(first), message.into(), "look at the shape before relying on it");
     }
-    if let Some((message, advice)) = coarse_mesh(subject) {
-        add(WarningKind::CoarseMesh, None, message, advice);
+    let expected = subject.actuator.map(|(actuator, mesh)| expected(subject.problem, actuator, mesh, steps));
+    if let Some((message, advice)) = coarse_mesh(subject, expected.as_ref()) {
+        add(WarningKind::CoarseMesh, None, message, &advice);
+    }
+    if let Some(expected) = &expected
+        && let Some((message, advice)) = unmeasured(subject, expected)
+    {
+        let first = expected.since().and_then(|since| steps.iter().find(|step| step.when() == since));
+        add(WarningKind::Accuracy, first, message, &advice);
     }
     if let Some((actuator, _)) = subject.actuator
         && subject.problem.obstacles.is_empty()
@@ -172,23 +189,68 @@ fn hardly_moves(actuator: &Actuator, step: &StepSummary) -> bool {
     step.pressure_kpa > 0.0 && angle < LEAST_ANGLE && tip < LEAST_TIP * length
 }
 
-fn coarse_mesh(subject: Subject<'_>) -> Option<(String, &'static str)> {
-    let advice = "use mesh.resolution = \"standard\" or \"fine\" before relying on numbers; `pneuflex converge` gives error bars";
+fn coarse_mesh(subject: Subject<'_>, expected: Option<&Expected>) -> Option<(String, String)> {
     let too_stiff = "one linear element across the thinnest wall bends too stiffly: displacements come out several per cent too small";
     let is_linear = !subject.problem.formulation.element.is_quadratic();
-    let Some((actuator, mesh)) = subject.actuator else {
+    let (Some((actuator, mesh)), Some(expected)) = (subject.actuator, expected) else {
         let advice =
             "divide walls into two elements at least, or take quadratic ones (C3D20, C3D10; second order in Gmsh)";
-        let message = || (too_stiff.replace("the thinnest wall", "a wall"), advice);
+        let message = || (too_stiff.replace("the thinnest wall", "a wall"), advice.to_owned());
         return (is_linear && subject.problem.mesh.share_of_single_layers() > SINGLE_LAYERS).then(message);
     };
-    if mesh.resolution == Some(Resolution::Draft) && mesh.size.is_none() && mesh.edge_size.is_none() {
-        let message = "the draft mesh is for trying things out: expect errors of about 1 % in displacements, and larger ones in stresses";
-        return Some((message.into(), advice));
+    let advice = || format!("{} before relying on numbers{}", FINER_THAN_DRAFT, converge(subject));
+    if is_linear {
+        let size = mesh.mesh_size(actuator);
+        let across = actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
+        return (across.max(size.wall_elements as f64) < 1.5).then(|| (too_stiff.into(), advice()));
     }
-    let size = mesh.mesh_size(actuator);
-    let across = actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
-    (is_linear && across.max(size.wall_elements as f64) < 1.5).then(|| (too_stiff.into(), advice))
+    let which = match expected.fineness {
+        Some(Fineness::Standard | Fineness::Fine) => return None,
+        Some(Fineness::Draft) if mesh.resolution == Some(Resolution::Draft) => "the draft mesh",
+        Some(Fineness::Draft) => "a mesh as coarse as draft",
+        None => "a mesh coarser than draft",
+    };
+    let errors = match expected.bounds() {
+        Some(bounds) => format!("on designs like this one its errors are up to {bounds}"),
+        None => "its errors may be large".to_owned(),
+    };
+    Some((format!("{which} is for trying things out: {errors}"), advice()))
+}
+
+/// What makes a mesh finer that is as coarse as `draft`.
+const FINER_THAN_DRAFT: &str = "use mesh.resolution = \"standard\" or \"fine\"";
+
+/// Advice to measure the errors of the case itself, where that can be done.
+fn converge(subject: Subject<'_>) -> &'static str {
+    if subject.contact.is_some() { "; `pneuflex converge` gives error bars" } else { "" }
+}
+
+/// In what an actuator is unlike those on which errors were measured, and what to do about it.
+fn unmeasured(subject: Subject<'_>, expected: &Expected) -> Option<(String, String)> {
+    let words = |outside: &Outside| match outside.when {
+        Some(when) => format!("at {} {}", subject.problem.clock.words(when), outside.what),
+        None => outside.what.clone(),
+    };
+    let is_linear = !subject.problem.formulation.element.is_quadratic();
+    // Linear elements are known to be less exact, and have a word of their own where they are too few.
+    let is_news =
+        |outside: &&Outside| !(is_linear && matches!(outside.parameter, Parameter::Element | Parameter::Mesh));
+    let what: Vec<String> = expected.outside.iter().filter(is_news).map(words).collect();
+    let message = format!(
+        "errors may be larger than those that were measured for this mesh, because the design is unlike the measured ones: {}",
+        what.join("; ")
+    );
+    let advice = match expected.fineness {
+        Some(Fineness::Fine) if subject.contact.is_some() => {
+            "`pneuflex converge` gives error bars; a smaller mesh.edge_size reduces the errors".to_owned()
+        }
+        Some(Fineness::Fine) => "compare with a smaller mesh.edge_size".to_owned(),
+        Some(Fineness::Standard) => {
+            format!("compare with mesh.resolution = \"fine\"{}", converge(subject))
+        }
+        Some(Fineness::Draft) | None => format!("{FINER_THAN_DRAFT}, and compare{}", converge(subject)),
+    };
+    (!what.is_empty()).then_some((message, advice))
 }
 
 fn first_and_last(
@@ -220,6 +282,8 @@ mod tests {
         };
         assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);
         assert_eq!(kinds("resolution = \"standard\""), []);
+        assert_eq!(kinds("resolution = \"standard\"\nelement = \"hex20\""), [WarningKind::Accuracy]);
+        assert_eq!(kinds("size = 5.0"), [WarningKind::CoarseMesh, WarningKind::Accuracy]);
         assert_eq!(kinds("size = 2.0\nelement = \"hex8-q1p0\""), [WarningKind::CoarseMesh]);
         assert_eq!(kinds("size = 0.5\nelement = \"hex8-q1p0\""), []);
     }

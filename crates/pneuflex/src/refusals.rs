@@ -25,11 +25,13 @@ pub fn refusals(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
 /// A body whose coordinates are no lengths of a body.
 fn size(problem: &Problem) -> Option<CaseError> {
     let [shortest, longest] = LENGTHS;
-    let largest = problem.mesh.nodes.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    // A damaged number is the largest of all: `f64::max` would pass over it.
+    let larger = |most: f64, x: &f64| if most.is_nan() || x.abs() <= most { most } else { x.abs() };
+    let largest = problem.mesh.nodes.as_flattened().iter().fold(0.0, larger);
     (!(shortest..=longest).contains(&largest)).then(|| CaseError {
         key: "model.file".into(),
         value: format!("a body with coordinates up to {largest:e}"),
-        allowed: format!("they must be from {shortest:e} to {longest:e} mm; model.scale is for meshes in other units"),
+        allowed: format!("must be from {shortest:e} to {longest:e} mm; model.scale is for meshes in other units"),
     })
 }
 
@@ -99,7 +101,13 @@ mod tests {
             refusals(&Problem { mesh: mesh.into(), ..problem.clone() }, &[]).len()
         };
         assert_eq!([1.0, 1e-3, 1e3].map(scaled), [0; 3]);
-        assert_eq!([0.0, 1e-9, 1e9, 1e99].map(scaled), [1; 4]);
+        assert_eq!([0.0, 1e-9, 1e9, 1e99, f64::INFINITY, f64::NAN].map(scaled), [1; 6]);
+        // A single damaged number, whose volume would be said to be NaN mm3.
+        for damaged in [f64::NAN, f64::NEG_INFINITY] {
+            let mut mesh = std::sync::Arc::unwrap_or_clone(problem.mesh.clone());
+            mesh.nodes[7][1] = damaged;
+            assert_eq!(refusals(&Problem { mesh: mesh.into(), ..problem.clone() }, &[]).len(), 1);
+        }
     }
 
     #[test]

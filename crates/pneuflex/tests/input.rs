@@ -168,6 +168,7 @@ fn what_breaks_the_plane_of_a_half_is_refused_and_the_whole_takes_it() {
     ] {
         assert_refused(&model(rest), key, "set actuator.part = \"whole\"");
         assert_refused(&model(rest), key, "y = 0");
+        assert!(refused(&model(rest)).iter().all(|(_, message)| !message.contains("out of range")), "{rest}");
         let whole = model(rest).replace("base = 4.0", "base = 4.0\npart = \"whole\"");
         assert!(build(&whole).is_ok(), "{rest}");
     }
@@ -246,7 +247,13 @@ fn results_carry_warnings_in_every_kind_of_file() {
     let plate = "name = \"plate\"\nshape = \"plane\"\nfaces = \"top\"\npoint = [0, 0, 4]\nnormal = [0, 0, -1]\n\
                  displacement = [0, 0, -0.3]\nstiffness = 0.5\n";
     pressed.model.obstacles.push(toml::from_str(plate).unwrap());
-    assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::Penetration, WarningKind::CoarseMesh]);
+    pressed.times([0.5, 1.0]);
+    let warnings = pressed.analysis().unwrap().solve().unwrap().warnings;
+    let found: Vec<_> = warnings.iter().map(|warning| warning.kind).collect();
+    assert_eq!(found, [WarningKind::Penetration, WarningKind::CoarseMesh]);
+    // It is headed by where it begins, and says where it is worst.
+    let words = "from time 0.5 on; at time 1 what touches passes through each other by";
+    assert!(warnings[0].time == Some(0.5) && warnings[0].message.starts_with(words), "{}", warnings[0]);
     pressed.model.obstacles[0].stiffness = Some(500.0);
     assert_eq!(kinds(&pressed.analysis().unwrap()), [WarningKind::CoarseMesh]);
     // Constants in kPa instead of MPa, as a case file and as a model file.

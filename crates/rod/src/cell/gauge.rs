@@ -70,13 +70,20 @@ fn bottom(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
     points
 }
 
-/// Rotation of the base's cross-section at a reference x, rad, positive downwards: the best-fitting one of its nodes about
-/// their centroid. Where there are no nodes, that of the sections to either side by their distance. `None` beyond the mesh.
+/// Rotation of the base's cross-section at a reference x, rad, positive downwards: the best-fitting one over its area. Where no faces of
+/// elements lie there, that of the sections to either side by their distance. `None` beyond the mesh.
 fn section_angle(problem: &Problem, displacement: &[[f64; 3]], x: f64, base: f64) -> Option<f64> {
-    let lines = bottom(problem, displacement);
-    let tolerance = 1e-6 * lines.last()?[0];
-    let before = lines.iter().map(|p| p[0]).rfind(|at| *at <= x + tolerance)?;
-    let after = lines.iter().map(|p| p[0]).find(|at| *at >= x - tolerance)?;
+    let mesh = &problem.mesh;
+    let mut is_corner = vec![false; mesh.num_nodes()];
+    for element in 0..mesh.num_elements() {
+        mesh.element(element)[..mesh.kind.num_corners()].iter().for_each(|&node| is_corner[node as usize] = true);
+    }
+    let corners = mesh.node_set("bottom_centreline").iter().filter(|&&node| is_corner[node as usize]);
+    let mut lines: Vec<f64> = corners.map(|&node| mesh.nodes[node as usize][0]).collect();
+    lines.sort_by(f64::total_cmp);
+    let tolerance = 1e-6 * lines.last()?;
+    let before = lines.iter().copied().rfind(|at| *at <= x + tolerance)?;
+    let after = lines.iter().copied().find(|at| *at >= x - tolerance)?;
     let [a, b] = [before, after].map(|at| {
         let in_section = |p: [f64; 3]| (p[0] - at).abs() <= tolerance && p[2] <= base + tolerance;
         best_motion(problem, &problem.mesh.select_nodes(in_section), displacement)[2]

@@ -10,26 +10,27 @@ pub fn place(at: [f64; 3], origin: [f64; 2], [x, z, turn]: [f64; 3]) -> ([f64; 3
     (moved, [-sine * dx + cosine * dz, -cosine * dx - sine * dz])
 }
 
-/// The motion of a plane across x that comes closest to that of some of its nodes.
+/// The motion of a plane across x that comes closest to that of what some of its nodes span: by integrals over their faces, so that it does
+/// not follow the grading of the mesh.
 pub fn best_motion(problem: &Problem, nodes: &[u32], displacement: &[[f64; 3]]) -> [f64; 3] {
     let mesh = &problem.mesh;
-    let n = nodes.len().max(1) as f64;
+    let shares = mesh.shares(nodes);
     let mean = |component: usize, deformed: bool| {
         let value = |&node: &u32| {
             let (node, d) = (node as usize, component);
             mesh.nodes[node][d] + if deformed { displacement[node][d] } else { 0.0 }
         };
-        nodes.iter().map(value).sum::<f64>() / n
+        nodes.iter().zip(&shares).map(|(node, share)| share * value(node)).sum::<f64>()
     };
     let (before, after) = ([mean(0, false), mean(2, false)], [mean(0, true), mean(2, true)]);
     let (mut sine, mut cosine) = (0.0, 0.0);
-    for &node in nodes {
+    for (&node, share) in nodes.iter().zip(&shares) {
         let node = node as usize;
         let (x, u) = (mesh.nodes[node], displacement[node]);
         let a = [x[0] - before[0], x[2] - before[1]];
         let b = [x[0] + u[0] - after[0], x[2] + u[2] - after[1]];
-        sine += a[0] * b[1] - a[1] * b[0];
-        cosine += a[0] * b[0] + a[1] * b[1];
+        sine += share * (a[0] * b[1] - a[1] * b[0]);
+        cosine += share * (a[0] * b[0] + a[1] * b[1]);
     }
     let turn = -sine.atan2(cosine);
     let (s, c) = turn.sin_cos();
@@ -73,5 +74,20 @@ mod tests {
         for (found, expected) in best_motion(&problem, problem.mesh.node_set("end_face"), &u).into_iter().zip(motion) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn the_turn_of_a_warped_end_does_not_follow_the_grading_of_the_mesh() {
+        // u_x = z³/100 on the end face, by three gradings: the best turn over its area is one number.
+        let turn = |edge: f64| {
+            let size = MeshSize { edge, ..MeshSize::uniform(1.5) };
+            let (law, contact) = (Material::default(), Contact::default());
+            let actuator = Actuator::two_chambers();
+            let problem = Problem::from_actuator(&actuator, &size, Formulation::Hex27, law, contact).unwrap();
+            let u: Vec<[f64; 3]> = problem.mesh.nodes.iter().map(|x| [x[2].powi(3) / 100.0, 0.0, 0.0]).collect();
+            best_motion(&problem, problem.mesh.node_set("end_face"), &u)[2]
+        };
+        let [coarse, graded, fine] = [1.5, 0.3, 0.1].map(turn);
+        assert!((graded / coarse - 1.0).abs() < 2e-3 && (fine / graded - 1.0).abs() < 2e-4, "{coarse} {graded} {fine}");
     }
 }
