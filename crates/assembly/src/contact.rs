@@ -130,6 +130,12 @@ impl Unilateral for ContactForces {
         blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
     }
 
+    fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String> {
+        let [before, after] = ends.map(|position| self.mesh.deformed(position.displacement));
+        let passed = self.model.passed_through(ends.map(|position| position.parameter), [&before, &after]);
+        passed.map(|obstacle| obstacle.name.clone())
+    }
+
     fn motions(&self) -> Vec<RigidMotion> {
         let of_obstacle = |(number, motion): (usize, &Motion)| {
             let mut column = vec![[0.0; 3]; self.mesh.num_nodes()];

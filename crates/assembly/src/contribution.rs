@@ -159,6 +159,9 @@ pub trait Unilateral {
     /// Largest penetration at a position, which is not taken, mm; 0 where nothing touches.
     fn deepest_penetration(&mut self, position: Position<'_>) -> f64;
 
+    /// Name of what the body would have passed through on the straight way between two positions, if it would.
+    fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String>;
+
     /// What its moving obstacles do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;
 

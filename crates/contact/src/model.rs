@@ -2,15 +2,22 @@
 
 use std::sync::Arc;
 
-use pneuflex_mesh::Mesh;
+use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::load::Motion;
 use pneuflex_model::{Contact, ContactPair, LoadParameter, Material, Obstacle, Problem};
 
 use crate::contact_block::Partner;
 use crate::obstacle::{Distance, distance};
+use crate::projection::{dot, face_geometry, sub};
 use crate::search::TOUCHING;
 use crate::surface::Surface;
 use crate::surface_pair::{SurfacePair, point_areas};
+
+/// A point is deep inside of an obstacle beyond this share of the obstacle's greatest depth.
+const DEEP_INSIDE: f64 = 0.5;
+
+/// Where a way is looked at, as shares of it.
+const ON_THE_WAY: [f64; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
 
 /// Penalties up to this multiple of the body's own stiffness decide alone which points touch: they do it in fewer iterations.
 const SOFT: f64 = 8.0;
@@ -119,6 +126,44 @@ impl ContactModel {
             std::array::from_fn(|d| after[d] - before[d])
         };
         self.obstacles.iter().map(moved).collect()
+    }
+
+    /// The first obstacle that a point passes through on the straight way between two positions of the nodes, seen from the obstacle, which moves
+    /// meanwhile: on the way the point is deep inside, at both ends it is not.
+    pub fn passed_through(
+        &self,
+        [from, to]: [LoadParameter; 2],
+        [before, after]: [&[[f64; 3]]; 2],
+    ) -> Option<&Obstacle> {
+        let passes = |rigid: &&Rigid| {
+            let Rigid { obstacle, surface, rule, .. } = rigid;
+            let deep = DEEP_INSIDE * obstacle.shape.greatest_depth();
+            let ends = [(before, obstacle.offset(from)), (after, obstacle.offset(to))];
+            let kind = surface.kind;
+            deep.is_finite()
+                && (0..surface.num_faces()).any(|face| {
+                    let nodes = ends.map(|(positions, _)| surface.face_positions(face, positions));
+                    rule.iter().any(|&(xi, _)| {
+                        let shape = shape::evaluate_face(kind, xi);
+                        let seen = |end: usize| -> [f64; 3] {
+                            let x = face_geometry(&nodes[end][..kind.num_nodes()], &shape).position;
+                            std::array::from_fn(|d| x[d] - ends[end].1[d])
+                        };
+                        let [start, end] = [seen(0), seen(1)];
+                        let way = sub(end, start);
+                        let depth = |share: f64| {
+                            let x = std::array::from_fn(|d| start[d] + share * way[d]);
+                            -distance(&obstacle.shape, [0.0; 3], x).value
+                        };
+                        // Whoever goes less far cannot have been in there and out again.
+                        dot(way, way).sqrt() > deep && {
+                            let at_ends = depth(0.0).max(depth(1.0)).max(0.0);
+                            ON_THE_WAY.iter().any(|&share| depth(share) > deep.max(2.0 * at_ends))
+                        }
+                    })
+                })
+        };
+        self.obstacles.iter().find(passes).map(|rigid| &rigid.obstacle)
     }
 
     /// The obstacles that move: number, and motion.

@@ -75,6 +75,17 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// Greatest depth below its surface, mm: a point deeper than this has passed through its middle. Infinite for what has no other side.
+    pub fn greatest_depth(&self) -> f64 {
+        match self {
+            Self::Sphere { radius, is_hollow: false, .. } | Self::Cylinder { radius, is_hollow: false, .. } => *radius,
+            Self::Cuboid { size, .. } => 0.5 * size.iter().copied().fold(f64::INFINITY, f64::min),
+            Self::Plane { .. } | Self::Sphere { .. } | Self::Cylinder { .. } => f64::INFINITY,
+        }
+    }
+}
+
 impl Obstacle {
     /// By how much it has moved at a position on the load path, mm.
     pub fn offset(&self, parameter: LoadParameter) -> [f64; 3] {

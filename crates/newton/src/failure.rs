@@ -51,6 +51,12 @@ pub enum Cause {
         /// Most touching points.
         most: usize,
     },
+    /// The body came out of an obstacle on the other side.
+    #[error("the step would carry the body through the obstacle `{obstacle}`")]
+    PassedThrough {
+        /// Its name.
+        obstacle: String,
+    },
     /// The tangent of an equilibrium is indefinite: the body is unstable there.
     #[error("the tangent at the equilibrium is indefinite ({negative_pivots} negative pivots): an instability")]
     IndefiniteTangent {

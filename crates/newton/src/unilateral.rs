@@ -17,6 +17,15 @@ impl System {
         depth
     }
 
+    /// Name of an obstacle that the body would have passed through between two states, if it would.
+    pub fn passed_through(&mut self, before: &State, after: &State) -> Option<String> {
+        let start = Instant::now();
+        let ends = [before.position(), after.position()];
+        let passed = unilateral(&self.contributions).find_map(|contact| contact.passed_through(ends));
+        self.timing.contact_s += start.elapsed().as_secs_f64();
+        passed
+    }
+
     /// Number of contact points, touching or not.
     pub fn num_contact_points(&self) -> usize {
         unilateral(&self.contributions).map(Unilateral::num_points).sum()

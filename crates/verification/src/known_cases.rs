@@ -28,7 +28,7 @@ pub struct Checked {
     pub verdict: Result<(), String>,
 }
 
-const ALL: [Known; 9] = [
+const ALL: [Known; 11] = [
     Known { file: "cases/gravity_y_half.toml", changes: &[], is_quick: true, check: wants_the_whole },
     Known {
         file: "cases/gravity_y_half.toml",
@@ -66,6 +66,21 @@ const ALL: [Known; 9] = [
         changes: &[("mesh.resolution", "standard"), ("load.pressure_kpa", "[2.8541, 5.7082]")],
         is_quick: false,
         check: |outcome| close("angle, degrees", last(&outcome)?.end_face_angle_deg, 1.19, 0.01),
+    },
+    Known {
+        file: "cases/ball_on_roof.toml",
+        changes: &[],
+        is_quick: false,
+        check: |outcome| {
+            let state = last(&outcome)?;
+            close("force on the ball, N", state.obstacles.values().map(|ball| ball.force_n[2]).next(), 0.345, 2e-3)
+        },
+    },
+    Known {
+        file: "cases/weight_on_a_ball.toml",
+        changes: &[],
+        is_quick: true,
+        check: |outcome| close("strain energy, mJ", last(&outcome)?.strain_energy_mj.into(), 0.00838, 1e-3),
     },
     // The mesh that it was found with takes 43 s; elements of 8 mm end in the same way in an eighth of that.
     Known {

@@ -28,6 +28,10 @@ impl Path {
         let held = self.motion.target(*aim);
         let mut converged = self.newton(state, held.as_deref(), target, observer)?;
         converged.iterations += iterations;
+        if let Some(obstacle) = self.system.passed_through(&start, &converged.equilibrium.state) {
+            self.system.recycle(converged.predictor);
+            return Err(Cause::PassedThrough { obstacle });
+        }
         Ok(converged)
     }
 
