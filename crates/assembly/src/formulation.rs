@@ -23,11 +23,17 @@
 //! On straight-sided tetrahedra the gradients are linear, and four points integrate the stiffness at rest exactly. But the
 //! isochoric energy is blind to conformal maps, of which three are quadratic (2 (a·X) X − a |X|²), and their change of
 //! volume has the mean zero about the centroid, so the constant pressure is blind to them, too: with the two energies
-//! alone a free element has nine zero eigenvalues, whatever the rule. So a part κ_f = min(μ, κ/2) of the bulk modulus, μ the shear
-//! modulus at rest (`Formulation::fluctuation_modulus`), is integrated at the four points, ½ κ_f ∫ (J − 1)² dV, and κ − κ_f is left for the mean: together
+//! alone a free element has nine zero eigenvalues, whatever the rule. So a part κ_f of the bulk modulus, the shear modulus at rest
+//! (`Formulation::fluctuation_modulus`), is integrated at the four points, ½ κ_f ∫ (J − 1)² dV, and κ − κ_f is left for the mean: together
 //! ½ κ (J̄ − 1)² V + ½ κ_f ∫ (J − J̄)² dV. That leaves six zero eigenvalues, and cannot lock, as κ_f does not grow with κ.
 //!
 //! det ∂r/∂ξ is a cubic: the eight points integrate θ exactly, also on curved elements.
+//!
+//! # Full invariant
+//!
+//! At rest the pressure is −2 C₁₀ then, which multiplies the second derivative of J at every point, while κ sees the projection of J only:
+//! where the modes see nothing, 8 C₂₀ − ⅓ μ is left of the energy of a change of volume. Where that is negative, quadratic elements have
+//! as much in κ_f (theory §10).
 
 use pneuflex_mesh::{
     ElementKind,

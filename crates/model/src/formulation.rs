@@ -6,6 +6,7 @@ use std::ops::Deref;
 use pneuflex_mesh::{ElementKind, quadrature};
 use serde::{Deserialize, Serialize};
 
+use crate::law::Invariant;
 use crate::material::Material;
 
 /// Element formulation: shape functions together with the treatment of the volumetric energy.
@@ -28,6 +29,17 @@ pub enum Formulation {
     Tet10,
 }
 
+/// When a part of the bulk modulus resists fluctuations of J within an element (theory §10).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResistsFluctuations {
+    /// A change of volume that no pressure mode sees comes with enough of a change of shape.
+    Never,
+    /// Some changes of volume that no pressure mode sees are unstable under the pressure that the full invariant has at rest.
+    WithFullInvariant,
+    /// Some motions have no energy otherwise, whatever the invariant.
+    Always,
+}
+
 /// What a formulation is.
 #[derive(Debug)]
 pub struct MixedFormulation {
@@ -45,8 +57,8 @@ pub struct MixedFormulation {
     pub is_centre_only: bool,
     /// How many of the pressure modes 1, ξ, η, ζ an element has.
     pub num_modes: usize,
-    /// Whether a part of the bulk modulus resists fluctuations of J within an element.
-    pub resists_fluctuations: bool,
+    /// When a part of the bulk modulus resists fluctuations of J within an element.
+    pub resists_fluctuations: ResistsFluctuations,
     /// Whether strains are of second order, so that half as many cells do.
     pub is_second_order: bool,
 }
@@ -59,7 +71,7 @@ static HEX8_SRI: MixedFormulation = MixedFormulation {
     volumetric_rule: || quadrature::hexahedron(1),
     is_centre_only: true,
     num_modes: 1,
-    resists_fluctuations: false,
+    resists_fluctuations: ResistsFluctuations::Never,
     is_second_order: false,
 };
 
@@ -79,7 +91,7 @@ static HEX20: MixedFormulation = MixedFormulation {
     volumetric_rule: quadrature::hexahedron_14,
     is_centre_only: false,
     num_modes: 4,
-    resists_fluctuations: false,
+    resists_fluctuations: ResistsFluctuations::WithFullInvariant,
     is_second_order: true,
 };
 
@@ -100,7 +112,7 @@ static TET10: MixedFormulation = MixedFormulation {
     volumetric_rule: quadrature::tetrahedron_8,
     is_centre_only: false,
     num_modes: 1,
-    resists_fluctuations: true,
+    resists_fluctuations: ResistsFluctuations::Always,
     is_second_order: false,
 };
 
@@ -139,11 +151,26 @@ impl MixedFormulation {
         self.element
     }
 
-    /// Part of the bulk modulus, MPa, that resists fluctuations of J within an element; the rest resists its mean. Zero but
-    /// for the tetrahedron, whose constant pressure leaves three quadratic motions without energy otherwise
-    /// (`pneuflex-assembly`, formulations).
+    /// Part κ_f of the bulk modulus, MPa, that resists fluctuations of J within an element; the rest resists its projection onto the
+    /// pressure modes (theory §10). It is the sum of
+    ///
+    /// * μ on the tetrahedron, whose constant pressure leaves three quadratic motions without energy otherwise;
+    /// * ⅓ μ − 8 C₂₀, if that is positive, on quadratic elements with the full invariant: what that has less energy at rest than the
+    ///   isochoric one, for changes of volume that no pressure mode sees;
+    ///
+    /// and at most κ/2.
     pub fn fluctuation_modulus(&self, material: &Material) -> f64 {
-        if self.resists_fluctuations { material.shear_modulus().min(0.5 * material.bulk_modulus) } else { 0.0 }
+        let shear_modulus = material.shear_modulus();
+        let of_modes = match self.resists_fluctuations {
+            ResistsFluctuations::Never => return 0.0,
+            ResistsFluctuations::WithFullInvariant => 0.0,
+            ResistsFluctuations::Always => shear_modulus,
+        };
+        let of_invariant = match (material.invariant, material.law.reduced_polynomial()) {
+            (Invariant::Full, Some([_, c20, _])) => (shear_modulus / 3.0 - 8.0 * c20).max(0.0),
+            _ => 0.0,
+        };
+        (of_modes + of_invariant).min(0.5 * material.bulk_modulus)
     }
 
     /// Name in case files.

@@ -13,9 +13,10 @@
 //! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
 //!
 //! With another volumetric energy than κ/2 (J − 1)², p = M⁻¹ ∫ U′(J̄) ψ dV at J̄ = 1 + Σ ψᵢ (M⁻¹θ)ᵢ, with the energy
-//! ∫ U(J̄) dV. On `tet10` a part κ_f of κ ([`pneuflex_model::formulation::MixedFormulation::fluctuation_modulus`]) acts on J itself: the pressure is
-//! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3.6, §10.) The stress is taken at the points of the deviatoric rule, where the law is evaluated by
-//! the solver too.
+//! ∫ U(J̄) dV. On `tet10`, and with the full invariant on `hex20` and `hex27`, a part κ_f of κ
+//! ([`pneuflex_model::formulation::MixedFormulation::fluctuation_modulus`]) acts on J itself: the pressure is
+//! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3.6, §10.) The stress is taken at the points of
+//! the deviatoric rule, where the law is evaluated by the solver too.
 
 use pneuflex_assembly::ReferenceElement;
 use pneuflex_assembly::formulation::IntegrationPoint;

@@ -9,7 +9,7 @@
 //! | `tet10` | 4 | 3×3×3, collapsed | 1 |
 
 use pneuflex_mesh::{ElementKind, FaceKind};
-use pneuflex_model::{Formulation, Material};
+use pneuflex_model::{Formulation, Invariant, Law, Material};
 
 use crate::quadrature;
 
@@ -114,10 +114,18 @@ pub fn num_pressures(formulation: Formulation) -> usize {
     }
 }
 
-/// The part κ_f of the bulk modulus that acts on J itself, MPa.
+/// The part κ_f of the bulk modulus that acts on J itself, MPa: μ on tetrahedra; with the full invariant, quadratic elements have
+/// 2/3 C₁₀ − 8 C₂₀ more, if that is more.
 pub fn fluctuation_modulus(formulation: Formulation, material: &Material) -> f64 {
-    match formulation {
-        Formulation::Tet10 => material.shear_modulus().min(0.5 * material.bulk_modulus),
+    let lack = match (material.invariant, &material.law) {
+        (Invariant::Full, Law::NeoHooke { c10 }) => 2.0 * c10 / 3.0,
+        (Invariant::Full, Law::Yeoh { c10, c20, .. }) if 12.0 * c20 < *c10 => 2.0 * c10 / 3.0 - 8.0 * c20,
         _ => 0.0,
-    }
+    };
+    let modulus = match formulation {
+        Formulation::Hex8Sri | Formulation::Hex8Q1p0 => 0.0,
+        Formulation::Hex20 | Formulation::Hex27 => lack,
+        Formulation::Tet10 => material.shear_modulus() + lack,
+    };
+    modulus.min(0.5 * material.bulk_modulus)
 }

@@ -17,8 +17,9 @@
 //! w [ U(1 + j) + p (J − 1 − j) ] with j = Σ ψᵢ jᵢ, and the primal energy is Σ φ + Σ w U(1 + Σ ψᵢ (M⁻¹ θ)ᵢ). The coefficients
 //! jᵢ of an element stand behind its pressures.
 //!
-//! For `tet10`, a part κ_f = min(μ, κ/2) of κ is taken out of the p² term and put at the deviatoric points as
-//! ½ κ_f (J − 1)²; the primal energy is then ½ κ (J̄ − 1)² Vₑ + ½ κ_f Σ w (J − J̄)².
+//! For `tet10`, and with the full invariant for `hex20` and `hex27`, a part κ_f of κ ([`elements::fluctuation_modulus`]) is taken out of
+//! the p² term and put at the deviatoric points as ½ κ_f (J − 1)²; with j = Σ ψᵢ (M⁻¹ θ)ᵢ the primal energy is then
+//! Σ φ + ½ κ Σ w j² + ½ κ_f Σ w (J − 1 − j)².
 //! The derivatives of the primal energy follow by eliminating p from those of Π, exactly.
 
 use nalgebra::{DMatrix, DVector, Matrix3};

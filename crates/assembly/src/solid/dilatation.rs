@@ -19,7 +19,7 @@ pub(super) struct Dilatation<const C: usize> {
 
 impl Solid {
     /// Coefficients of the pressure modes of every element, MPa, `num_modes` per element: p(θ), or with a correction
-    /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. On tetrahedra κ is less κ_f here, see
+    /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. κ is less κ_f here, see
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
         pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {

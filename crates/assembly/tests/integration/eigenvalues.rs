@@ -3,20 +3,28 @@
 use nalgebra::DMatrix;
 use pneuflex_assembly::{Assembler, LocalContribution, Request, Solid, Totals};
 use pneuflex_factor::multiply;
+use pneuflex_laws::{law_of, samples};
+use pneuflex_material::Kinematics;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
-use pneuflex_model::{Formulation, Material};
+use pneuflex_model::{Formulation, Invariant, Law, Material};
 
-/// Stiffness of a body at rest, N/mm.
+/// Stiffness of a body at rest with the isochoric invariant, N/mm.
 fn stiffness(mesh: &Mesh, formulation: Formulation, bulk_modulus: f64) -> DMatrix<f64> {
     let material = Material { bulk_modulus, ..Material::default() };
-    let solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
-    let rest = vec![[0.0; 3]; mesh.num_nodes()];
-    let mut assembler = Assembler::new(rest.len(), &[&solid as &dyn LocalContribution], &[]);
+    stiffness_at(mesh, formulation, &material, [1.0; 3])
+}
+
+/// Stiffness of a body stretched along the axes, N/mm.
+fn stiffness_at(mesh: &Mesh, formulation: Formulation, material: &Material, stretches: [f64; 3]) -> DMatrix<f64> {
+    let solid = Solid::new(mesh.clone(), formulation, material).unwrap();
+    let stretched: Vec<[f64; 3]> =
+        mesh.nodes.iter().map(|x| std::array::from_fn(|k| (stretches[k] - 1.0) * x[k])).collect();
+    let mut assembler = Assembler::new(stretched.len(), &[&solid as &dyn LocalContribution], &[]);
     let mut totals = Totals::default();
     assembler.reset(&mut totals, Request::Tangent);
-    assembler.add(0, &solid, &rest, Request::Tangent, &mut totals).unwrap();
-    let n = 3 * rest.len();
+    assembler.add(0, &solid, &stretched, Request::Tangent, &mut totals).unwrap();
+    let n = 3 * stretched.len();
     let mut stiffness = DMatrix::zeros(n, n);
     for column in 0..n {
         let mut unit = vec![0.0; n];
@@ -83,6 +91,87 @@ fn a_free_strip_has_six_zero_eigenvalues() {
         let mesh = Lattice::uniform([0.0; 3], [4.0, 1.0, 1.0], [4, 1, 1]).mesh_all(formulation.element_kind());
         let values = eigenvalues(stiffness(&mesh, formulation, 1000.0));
         check(&format!("4 × 1 × 1 {formulation}"), &values, 5e-3);
+    }
+}
+
+/// Stretches of a bar that is pulled to the stretch λ with nothing on its sides; `None`: with nothing on its ends either.
+fn free_stretches(material: &Material, lambda: Option<f64>) -> [f64; 3] {
+    let law = law_of(material);
+    let along = |lateral: f64| lambda.unwrap_or(lateral);
+    let stress = |lateral: f64| {
+        let diagonal = [along(lateral), lateral, lateral];
+        let h = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { diagonal[i] - 1.0 } else { 0.0 }));
+        let kinematics = Kinematics::new(&h).unwrap();
+        law.energy_and_stress(&kinematics).1[1][1]
+            + material.bulk_modulus * kinematics.jacobian_minus_1 * kinematics.cofactor[1][1]
+    };
+    let middle = lambda.map_or(1.0, |lambda| lambda.powf(-0.5));
+    let (mut low, mut high) = (0.8 * middle, 1.2 * middle);
+    assert!(stress(low) < 0.0 && stress(high) > 0.0, "{material:?}");
+    for _ in 0..60 {
+        let half = 0.5 * (low + high);
+        *(if stress(half) < 0.0 { &mut low } else { &mut high }) = half;
+    }
+    [along(low), low, low]
+}
+
+/// Materials of every law and invariant, and those whose C₂₀ does not make up for the pressure that the full invariant has at rest: long
+/// trilinear bricks need one that is not negative.
+fn materials(formulation: Formulation) -> Vec<Material> {
+    let ratios: &[f64] = if formulation.element_kind() == ElementKind::Hex8 { &[0.01] } else { &[0.05, -0.2] };
+    let full = ratios.iter().map(|ratio| Material {
+        invariant: Invariant::Full,
+        ..Law::Yeoh { c10: 0.3, c20: 0.3 * ratio, c30: 0.01 }.into()
+    });
+    samples().into_iter().chain(full).collect()
+}
+
+/// With the full invariant the body is under a pressure of −2 W₁ at rest, which the elements' pressures balance: no motion may
+/// release energy, on single elements, strips, sheets and cubes, whatever the law.
+#[test]
+fn no_motion_releases_energy_at_rest_whatever_the_law() {
+    for formulation in Formulation::ALL {
+        for (cells, size) in [([1, 1, 1], [1.0, 1.0, 1.0]), ([3, 1, 1], [3.0, 1.0, 1.0]), ([2, 2, 1], [6.0, 6.0, 1.0])]
+        {
+            let mesh = Lattice::uniform([0.0; 3], size, cells).mesh_all(formulation.element_kind());
+            for material in materials(formulation) {
+                for ratio in [50.0, 1844.0] {
+                    let material = Material { bulk_modulus: ratio * material.shear_modulus(), ..material.clone() };
+                    let rest = free_stretches(&material, None);
+                    let values = eigenvalues(stiffness_at(&mesh, formulation, &material, rest));
+                    let (first, seventh) = (values[0] / material.shear_modulus(), values[6] / material.shear_modulus());
+                    let name = format!("{formulation} {cells:?}, {material:?}");
+                    // In millimetres: of the order of (1/6)² where sheets of 6 × 6 × 1 bend, of (1/3)³ where strips do.
+                    assert!(first > -1e-9 && seventh > 2e-3, "{name}: {:?}", &values[..8]);
+                }
+            }
+        }
+    }
+}
+
+/// The same for a bar whose ends are pulled to one and a half and to twice its length and held there.
+#[test]
+fn no_motion_releases_energy_in_a_pulled_bar() {
+    for formulation in [Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+        let mesh = Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).mesh_all(formulation.element_kind());
+        let free: Vec<usize> = mesh
+            .select_nodes(|x| x[0] > 1e-9 && x[0] < 2.0 - 1e-9)
+            .iter()
+            .flat_map(|&n| (0..3).map(move |k| 3 * n as usize + k))
+            .collect();
+        for law in [Law::NeoHooke { c10: 0.3 }, Law::Yeoh { c10: 0.3, c20: -0.02, c30: 0.002 }] {
+            let least = [Invariant::Full, Invariant::Isochoric].map(|invariant| {
+                let material = Material { invariant, ..law.clone().into() };
+                [1.0, 1.5, 2.0].map(|lambda| {
+                    let stretches = free_stretches(&material, Some(lambda));
+                    let stiffness = stiffness_at(&mesh, formulation, &material, stretches);
+                    eigenvalues(stiffness.select_rows(&free).select_columns(&free))[0]
+                })
+            });
+            println!("{formulation} {law:?}: full {:.4?}, isochoric {:.4?} N/mm", least[0], least[1]);
+            assert!(least[0].iter().zip(&least[1]).all(|(full, isochoric)| *full > 0.8 * isochoric), "{least:?}");
+            assert!(least[1].iter().all(|isochoric| *isochoric > 1e-3), "{least:?}");
+        }
     }
 }
 

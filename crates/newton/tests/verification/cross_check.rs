@@ -68,12 +68,14 @@ fn skewed(formulation: Formulation) -> Mesh {
         .map_nodes(|[x, y, z]| [x + 0.1 * y * z, y + 0.07 * x * z, z + 0.05 * x * x])
 }
 
-/// Every law with every volumetric form.
+/// Every law with every volumetric form; one that softens at first.
 fn materials() -> Vec<Material> {
     let samples = pneuflex_laws::samples();
     let isochoric = samples.iter().filter(|material| material.invariant == Invariant::Isochoric).cloned();
     let logarithmic = isochoric.map(|material| Material { volumetric: Volumetric::Logarithmic, ..material });
-    logarithmic.collect::<Vec<_>>().into_iter().chain(samples).collect()
+    let softening: Material = Law::Yeoh { c10: 0.3, c20: -0.02, c30: 0.002 }.into();
+    let softening = Material { invariant: Invariant::Full, ..softening };
+    logarithmic.collect::<Vec<_>>().into_iter().chain(samples).chain([softening]).collect()
 }
 
 /// Residual of the energy, and tangent with pressures carried over from another state.
@@ -410,9 +412,8 @@ fn path_as_in_the_paper() {
 fn path_of_quadratic_elements() {
     let mut actuator = Actuator { chambers: 1, ..Actuator::two_chambers() };
     actuator.channel.half_width = 0.0;
-    // On the coarsest mesh hex20 with the full invariant is unstable from the start: both solvers say so.
     for (formulation, invariant, size) in [
-        (Formulation::Hex20, Invariant::Full, [8.0, 5.0, 5.0]),
+        (Formulation::Hex20, Invariant::Full, [8.0, 9.0, 8.0]),
         (Formulation::Hex20, Invariant::Isochoric, [8.0, 9.0, 8.0]),
         (Formulation::Hex27, Invariant::Full, [8.0, 9.0, 8.0]),
         (Formulation::Tet10, Invariant::Full, [8.0, 9.0, 8.0]),
