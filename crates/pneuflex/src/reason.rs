@@ -1,7 +1,7 @@
 //! Why a run ended early, in the words of somebody who designs actuators, and what helps.
 
 use pneuflex_model::load::Load;
-use pneuflex_model::{Control, LoadParameter, Problem};
+use pneuflex_model::{Control, Invariant, LoadParameter, Problem};
 use pneuflex_newton::{Cause, Failure, UnstableMotions, loose_parts};
 use pneuflex_post::stress::{first_largest, recover};
 use serde::Serialize;
@@ -215,8 +215,9 @@ impl End<'_> {
     }
 
     fn mesh_instability(&self, motions: &UnstableMotions) -> Reason {
-        let advice = if motions.is_volumetric() {
-            format!("try {}, or the isochoric invariant", self.vocabulary.other_elements())
+        let is_full = || self.problem.materials().0.iter().any(|material| material.invariant == Invariant::Full);
+        let advice = if motions.is_volumetric() && is_full() {
+            format!("{}, or the isochoric invariant", self.better_mesh())
         } else {
             self.better_mesh()
         };
@@ -434,6 +435,8 @@ mod tests {
             let reason = reason(Some(motions), 7.0);
             assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MeshInstability, false), "{motions:?}");
         }
+        let volumetric = reason(Some(UnstableMotions { volumetric_share: 0.5, ..of_body }), 7.0);
+        assert!(!volumetric.advice.contains("isochoric"), "it is: {}", volumetric.advice);
         let at_rest = reason(Some(of_body), 0.0);
         assert_eq!((at_rest.kind, at_rest.is_physical), (ReasonKind::MeshInstability, false));
         assert!(!at_rest.message.contains("0 kPa") && !at_rest.message.contains("times"), "{}", at_rest.message);

@@ -78,15 +78,6 @@ impl Vocabulary {
         }
     }
 
-    /// How elements are chosen that see every change of volume.
-    pub fn other_elements(self) -> &'static str {
-        match self {
-            Self::CaseFile | Self::ActuatorModel => "mesh.element = \"hex20\"",
-            Self::DeckModel | Self::Deck => "C3D20 elements",
-            Self::MeshModel | Self::Program => "bricks of 20 nodes",
-        }
-    }
-
     /// How contact is made softer or stiffer.
     pub fn contact_stiffness(self, problem: &Problem) -> &'static str {
         let has_pairs = !problem.contact_pairs.is_empty();
@@ -164,7 +155,6 @@ mod tests {
             words.smaller_steps(),
             words.finer_mesh(),
             words.better_elements(),
-            words.other_elements(),
             words.contact_stiffness(problem),
             words.bulk_modulus(),
             words.pump(),
@@ -192,7 +182,7 @@ mod tests {
         );
         let value = |key: &str| match key {
             "mesh.resolution" => "draft",
-            "mesh.element" => "hex20",
+            "mesh.element" => "hex27",
             _ => "0.5",
         };
         let mut named = 0;
