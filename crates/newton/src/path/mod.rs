@@ -39,8 +39,8 @@ pub struct Path {
     scales: Scales,
     begin: Instant,
     equilibrium: Equilibrium,
-    /// The one before it, as long as it is not known whether an inexact one is an equilibrium at all.
-    previous: Option<Equilibrium>,
+    /// Those before it, back to the last one that is solved to the tolerances: it is not known whether inexact ones are equilibria at all.
+    previous: Vec<Equilibrium>,
     /// Whether every step up to the next requested position is solved to the tolerances, as an inexact one has led astray.
     is_careful: bool,
     /// Tangent near the present equilibrium, which predicts the next one.
@@ -100,7 +100,7 @@ impl Path {
                 is_inexact: false,
                 mesh_motions: None,
             },
-            previous: None,
+            previous: Vec::new(),
             is_careful: false,
             mesh: Arc::clone(&problem.mesh),
             system,
@@ -247,7 +247,11 @@ impl Path {
         self.forget_predictor();
         let before = std::mem::replace(&mut self.equilibrium, converged.equilibrium);
         // Beyond a limit point there are states that are good enough to go on from, but no equilibria.
-        self.previous = self.equilibrium.is_inexact.then_some(before);
+        if self.equilibrium.is_inexact {
+            self.previous.push(before);
+        } else {
+            self.previous.clear();
+        }
         self.predictor = converged.predictor;
         self.system.commit();
     }
@@ -295,7 +299,7 @@ impl Path {
 
     /// Goes back to the equilibrium before an inexact state that turned out to be none, and says whether there is one.
     fn go_back(&mut self, observer: Observer<'_>) -> bool {
-        let Some(previous) = self.previous.take() else { return false };
+        let Some(previous) = self.previous.pop() else { return false };
         self.equilibrium = previous;
         self.is_careful = true;
         self.augmentation = None;
