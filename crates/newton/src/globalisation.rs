@@ -18,7 +18,7 @@ pub struct Tuning {
     pub runaway: f64,
     /// A correction with more stretching or rotation comes from a tangent that is nearly singular, and leads nowhere.
     pub hopeless: Extent,
-    /// Corrections smaller than this are not hopeless; like all lengths here in mean spacings of the nodes, [`Scales::length`].
+    /// Corrections smaller than this are not hopeless; like all lengths here in mean spacings of the nodes.
     pub harmless: f64,
     /// From this iteration on, a correction that is not smaller than [`Self::not_smaller`] times the one [`Self::circle`] tangents before is
     /// halved: contact points that open and close in turn let Newton's method run in circles.
@@ -107,9 +107,9 @@ pub enum Verdict {
 /// Measures of a correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// ‖\[Δq; Δλ\]‖ with lengths in [`Scales::length`] and forces in [`Scales::force`].
+    /// ‖\[Δq; Δλ\]‖ with lengths in mean spacings h of the nodes and forces in μ h², μ the shear modulus.
     pub norm: f64,
-    /// Largest component of Δq, in [`Scales::length`].
+    /// Largest component of Δq, in mean spacings of the nodes.
     pub largest: f64,
     /// Residual norm before it, N.
     pub residual: f64,
