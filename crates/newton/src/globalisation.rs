@@ -37,6 +37,8 @@ pub struct Tuning {
     pub guess: Extent,
     /// Guesses are shortened where they would drive walls deeper than this into each other.
     pub guess_penetration: f64,
+    /// Walls that are deep in each other may get this many times as deep: a guess that allows no more than there is would creep.
+    pub guess_deepening: f64,
     /// By how much a guess is shortened at a time.
     pub shortening: f64,
     /// By how much at the most.
@@ -68,6 +70,7 @@ impl Default for Tuning {
             modified_contraction: 0.5,
             guess: Extent { stretch: 0.2, angle: 0.7 },
             guess_penetration: 0.24,
+            guess_deepening: 1.5,
             shortening: 0.7,
             shortest: 0.03,
             inexact_displacement: 0.12,

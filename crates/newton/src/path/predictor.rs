@@ -63,7 +63,8 @@ impl Path {
     /// The state after as much of a guess as is safe, at the position on the load path that it is good for.
     fn shortened(&mut self, start: &State, correction: &Correction, aim: LoadParameter) -> Result<State, Cause> {
         let tuning = self.tuning.clone();
-        let allowed = self.system.deepest_penetration(start).max(tuning.guess_penetration * self.scales.length);
+        let already = tuning.guess_deepening * self.system.deepest_penetration(start);
+        let allowed = already.max(tuning.guess_penetration * self.scales.length);
         let extent = self.system.extent(&start.displacement, &correction.displacement);
         let mut share = (tuning.guess.stretch / extent.stretch).min(tuning.guess.angle / extent.angle).min(1.0);
         let shortest = tuning.shortest * share;
