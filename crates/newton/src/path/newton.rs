@@ -138,8 +138,6 @@ impl Path {
 
     fn measure(&self, assembled: &Assembled, correction: &Correction, [updated, multipliers]: [&[f64]; 2]) -> Measures {
         let Scales { length, force, .. } = self.scales;
-        // Large reactions are known to their rounding only.
-        let force = force.max(self.system.held_norm(&assembled.residual));
         let displacement = correction.displacement.as_flattened().iter().map(|x| x * x).sum::<f64>();
         // An unknown beside the displacements counts by the force that it acts with.
         let bordered = correction.bordered.iter().zip(&assembled.equations).map(|(change, equation)| {
