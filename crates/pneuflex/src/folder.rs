@@ -245,6 +245,10 @@ impl OutputFolder {
 
     /// The error of a file that cannot be written.
     pub fn cannot_write(&self, name: &str, error: io::Error) -> ResultsError {
+        // Another folder may have come while the file was written.
+        if let Err(replaced) = self.check_identity() {
+            return replaced;
+        }
         let file = self.path.join(name);
         match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => ResultsError::DiskFull { file },

@@ -66,6 +66,7 @@ pub fn explain(
                 .or_else(|| end.not_held())
                 .or_else(|| end.unstable())
                 .or_else(|| end.limit_point())
+                .or_else(|| end.passed_through())
                 .or_else(|| end.chatter())
                 .or_else(|| end.inverted())
                 .unwrap_or_else(|| end.unclear()),
@@ -280,6 +281,23 @@ impl End<'_> {
         values.max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
+    fn passed_through(&self) -> Option<Reason> {
+        let Cause::PassedThrough { obstacle } = &self.failure.cause else { return None };
+        Some(Reason {
+            kind: ReasonKind::WallsCross,
+            is_physical: false,
+            message: format!(
+                "beyond {} the only equilibrium that is found lies on the other side of the obstacle `{obstacle}`",
+                self.reached()
+            ),
+            advice: format!(
+                "try {}, or {}: the body may slip off there, which no equilibrium describes",
+                self.vocabulary.smaller_steps(),
+                self.vocabulary.contact_stiffness(self.problem)
+            ),
+        })
+    }
+
     fn chatter(&self) -> Option<Reason> {
         self.is_chatter().then(|| Reason {
             kind: ReasonKind::WallsCross,
@@ -390,6 +408,8 @@ mod tests {
         assert_eq!(kind(failure(diverged(), Some(30.0))), Some((ReasonKind::Instability, true)));
         let chatter = Cause::ContactChatter { least: 1, most: 9 };
         assert_eq!(kind(failure(chatter, Some(1.0))), Some((ReasonKind::WallsCross, false)));
+        let passed = Cause::PassedThrough { obstacle: "ball".into() };
+        assert_eq!(kind(failure(passed, Some(1.0))), Some((ReasonKind::WallsCross, false)));
         let inverted = Cause::Inversion { element: 3, point: 0, jacobian: -0.1 };
         assert_eq!(kind(failure(inverted, Some(1.0))), Some((ReasonKind::InvertedElement, false)));
         // Plane stretch to 8 is beyond the paper's limit of 54.83.

@@ -62,7 +62,7 @@ const ALL: [Known; 13] = [
     },
     Known { file: "cases/no_cavity_pressure.toml", changes: &[], is_quick: true, check: stays_at_rest },
     Known {
-        file: "cases/draft_wrong_sign.toml",
+        file: "accuracy/draft_wrong_sign.toml",
         changes: &[("mesh.resolution", "standard"), ("load.pressure_kpa", "[2.8541, 5.7082]")],
         is_quick: false,
         check: |outcome| close("angle, degrees", last(&outcome)?.end_face_angle_deg, 1.19, 0.01),
@@ -73,7 +73,7 @@ const ALL: [Known; 13] = [
         is_quick: false,
         check: |outcome| {
             let state = last(&outcome)?;
-            close("force on the ball, N", state.obstacles.values().map(|ball| ball.force_n[2]).next(), 0.345, 2e-3)
+            close("force on the ball, N", state.obstacles.values().map(|ball| ball.force_n[2]).next(), 0.3331, 2e-3)
         },
     },
     Known {
