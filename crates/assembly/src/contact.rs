@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block, predicted_tractions};
+use pneuflex_contact::{ContactBlock, ContactModel, Owner, Partner, Touching, evaluate_block, predicted_tractions};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::load::Motion;
 use pneuflex_model::{LoadParameter, Problem};
 
-use crate::contribution::{Contribution, Mixed, Position, Prediction, RigidMotion, Unilateral};
+use crate::contribution::{Contribution, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// The face pairs that touch at the position taken last.
@@ -15,8 +15,8 @@ use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 pub struct ContactForces {
     model: ContactModel,
     mesh: Arc<Mesh>,
-    /// Touching pairs of faces.
-    blocks: Vec<ContactBlock>,
+    /// What touches.
+    touching: Touching,
     /// Where they were found: positions of the nodes, mm,
     positions: Vec<[f64; 3]>,
     /// and on the load path.
@@ -33,7 +33,7 @@ impl ContactForces {
         Self {
             model,
             mesh: problem.mesh.clone(),
-            blocks: Vec::new(),
+            touching: Touching::default(),
             positions: Vec::new(),
             parameter: LoadParameter::default(),
             carried,
@@ -42,10 +42,10 @@ impl ContactForces {
 
     /// Touching pairs of faces at the position taken last.
     pub fn touching(&self) -> &[ContactBlock] {
-        &self.blocks
+        &self.touching.blocks
     }
 
-    fn found_at(&self, displacement: &[[f64; 3]]) -> Vec<ContactBlock> {
+    fn found_at(&self, displacement: &[[f64; 3]]) -> Touching {
         self.model.search(&self.mesh.deformed(displacement))
     }
 }
@@ -60,10 +60,8 @@ impl Contribution for ContactForces {
         self.model.set_parameter(position.parameter);
         self.positions = self.mesh.deformed(position.displacement);
         let kept = if position.is_on_the_way { self.model.kept_distances(&self.carried) } else { Vec::new() };
-        self.blocks = self.model.search_keeping(&self.positions, &kept);
-        for point in self.blocks.iter_mut().flat_map(|block| &mut block.points) {
-            point.traction = self.carried[point.number];
-        }
+        self.touching = self.model.search_keeping(&self.positions, &kept);
+        self.touching.carry(&self.model, &self.carried);
     }
 
     fn blocks(&self) -> Option<&dyn LocalContribution> {
@@ -88,15 +86,19 @@ impl Mixed for ContactForces {
         self.carried.fill(0.0);
         if let Some(correction) = &prediction.correction {
             let moved = prediction.motion.map_or_else(Vec::new, |[from, to]| self.model.moved(from, to));
-            for block in &self.blocks {
+            let own = self.touching.blocks.iter().filter(|block| self.model.averaging(block.partner).is_none());
+            for block in own {
                 let predicted = predicted_tractions(&self.model, block, &self.positions, correction, &moved);
                 for (number, traction) in predicted {
                     self.carried[number] = traction;
                 }
             }
+            for gap in &self.touching.averages {
+                self.carried[gap.number] = gap.predicted_traction(correction, &moved);
+            }
         } else {
-            for point in self.found_at(&prediction.displacement).iter().flat_map(|block| &block.points) {
-                self.carried[point.number] = point.traction;
+            for (number, traction, _) in self.found_at(&prediction.displacement).tractions(&self.model) {
+                self.carried[number] = traction;
             }
         }
     }
@@ -116,7 +118,7 @@ impl Unilateral for ContactForces {
     }
 
     fn num_active(&self) -> usize {
-        self.blocks.iter().map(|block| block.points.len()).sum()
+        self.touching.num_active(&self.model)
     }
 
     fn near_nodes(&self) -> Vec<Vec<u32>> {
@@ -125,9 +127,9 @@ impl Unilateral for ContactForces {
 
     fn deepest_penetration(&mut self, position: Position<'_>) -> f64 {
         self.model.set_parameter(position.parameter);
-        let blocks = self.found_at(position.displacement);
+        let touching = self.found_at(position.displacement);
         self.model.set_parameter(self.parameter);
-        blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
+        touching.blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
     }
 
     fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String> {
@@ -139,7 +141,7 @@ impl Unilateral for ContactForces {
     fn motions(&self) -> Vec<RigidMotion> {
         let of_obstacle = |(number, motion): (usize, &Motion)| {
             let mut column = vec![[0.0; 3]; self.mesh.num_nodes()];
-            for block in self.blocks.iter().filter(|block| block.partner == Partner::Obstacle(number)) {
+            for block in self.touching.blocks.iter().filter(|block| block.partner == Partner::Obstacle(number)) {
                 // A point that moves with the obstacle feels nothing: what the obstacle does is minus what the whole block would.
                 let tangent = evaluate_block(&self.model, block, &self.positions, true).tangent;
                 let size = 3 * block.nodes.len();
@@ -148,19 +150,31 @@ impl Unilateral for ContactForces {
                     column[block.nodes[row / 3] as usize][row % 3] -= change;
                 }
             }
+            for gap in self.touching.averages.iter().filter(|gap| gap.owner == Owner::Obstacle(number)) {
+                let along = |gradient: &[f64; 3]| (0..3).map(|k| gradient[k] * motion.displacement[k]).sum::<f64>();
+                let change = gap.tangent_factor() * gap.gradient.iter().map(along).sum::<f64>();
+                for (&node, gradient) in gap.nodes.iter().zip(&gap.gradient) {
+                    (0..3).for_each(|k| column[node as usize][k] -= change * gradient[k]);
+                }
+            }
             RigidMotion { curve: motion.curve.clone(), column }
         };
         self.model.motions().map(of_obstacle).collect()
     }
 
-    fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
-        let mut tractions = vec![0.0; self.model.num_points()];
-        let mut distance: f64 = 0.0;
-        for point in self.found_at(displacement).iter().flat_map(|block| &block.points) {
-            tractions[point.number] = point.traction;
-            distance = distance.max(point.distance.abs());
+    fn tractions(&self, displacement: &[[f64; 3]]) -> Tractions {
+        let tolerances = self.model.tolerances();
+        let mut found = Tractions { values: vec![0.0; self.model.num_points()], distance: 0.0, excess: 0.0 };
+        for (number, traction, distance) in self.found_at(displacement).tractions(&self.model) {
+            found.values[number] = traction;
+            found.distance = found.distance.max(distance.abs());
+            found.excess = found.excess.max(distance.abs() / tolerances[number]);
         }
-        (tractions, distance)
+        found
+    }
+
+    fn is_augmented(&self) -> bool {
+        self.model.tolerances().iter().any(|tolerance| tolerance.is_finite())
     }
 
     fn multipliers(&self) -> &[f64] {
@@ -174,11 +188,12 @@ impl Unilateral for ContactForces {
 
 impl LocalContribution for ContactForces {
     fn num_blocks(&self) -> usize {
-        self.blocks.len()
+        self.touching.blocks.len() + self.touching.averages.len()
     }
 
     fn nodes(&self, block: usize) -> &[u32] {
-        &self.blocks[block].nodes
+        let Touching { blocks, averages } = &self.touching;
+        blocks.get(block).map_or_else(|| averages[block - blocks.len()].nodes.as_slice(), |block| &block.nodes)
     }
 
     /// The blocks are valid at the position taken last only; `displacement` is not used.
@@ -190,7 +205,22 @@ impl LocalContribution for ContactForces {
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
         let with_tangent = request == Request::Tangent;
-        let result = evaluate_block(&self.model, &self.blocks[block], &self.positions, with_tangent);
+        let Touching { blocks, averages } = &self.touching;
+        let Some(faces) = blocks.get(block) else {
+            let gap = &averages[block - blocks.len()];
+            out.energy += gap.energy();
+            if with_tangent {
+                let pairs =
+                    gap.gradient.iter().enumerate().flat_map(|(a, g)| gap.gradient[..=a].iter().map(move |h| (g, h)));
+                for (values, (of_row, of_column)) in out.tangent.iter_mut().zip(pairs) {
+                    for (k, value) in values.iter_mut().enumerate() {
+                        *value += gap.tangent_factor() * of_row[k % 3] * of_column[k / 3];
+                    }
+                }
+            }
+            return Ok(());
+        };
+        let result = evaluate_block(&self.model, faces, &self.positions, with_tangent);
         out.energy += result.energy;
         for (r, value) in out.residual.iter_mut().zip(result.residual.chunks_exact(3)) {
             for k in 0..3 {
@@ -198,7 +228,7 @@ impl LocalContribution for ContactForces {
             }
         }
         if with_tangent {
-            let n = self.blocks[block].nodes.len();
+            let n = faces.nodes.len();
             let mut pair = 0;
             for a in 0..n {
                 for b in 0..=a {

@@ -145,6 +145,17 @@ pub struct RigidMotion {
     pub column: Vec<[f64; 3]>,
 }
 
+/// What contact points carry.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tractions {
+    /// ⟨λ − k d⟩ of all points, MPa.
+    pub values: Vec<f64>,
+    /// Largest |d| of those that carry one, mm.
+    pub distance: f64,
+    /// Largest |d| as a multiple of the point's own tolerance; 0 where there is none.
+    pub excess: f64,
+}
+
 /// Points that must not pass through what is in their way.
 pub trait Unilateral {
     /// Number of points.
@@ -165,8 +176,11 @@ pub trait Unilateral {
     /// What its moving obstacles do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;
 
-    /// Tractions ⟨λ − k d⟩ of all points at a displacement, MPa, and the largest |d| of those that carry one, mm.
-    fn tractions(&self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64);
+    /// Tractions of all points at a displacement, and how far from their partners those are that carry one.
+    fn tractions(&self, displacement: &[[f64; 3]]) -> Tractions;
+
+    /// Whether any point has a tolerance for its depth, which multipliers are to meet.
+    fn is_augmented(&self) -> bool;
 
     /// Traction λ that every point carries without penetration, MPa (augmented Lagrangian); empty for none.
     fn multipliers(&self) -> &[f64];

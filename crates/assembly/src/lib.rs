@@ -37,7 +37,9 @@ pub mod solid;
 pub use boundary_term::{BoundaryTerm, Couplings};
 pub use conservative_load::ConservativeLoads;
 pub use contact::ContactForces;
-pub use contribution::{BorderedEquation, Contribution, Mixed, Position, Prediction, RigidMotion, Unilateral};
+pub use contribution::{
+    BorderedEquation, Contribution, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral,
+};
 pub use elimination::{CondensedBlocks, Elimination};
 pub use equations::Equations;
 pub use follower_pressure::FollowerPressure;

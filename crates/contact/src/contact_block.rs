@@ -1,7 +1,9 @@
 //! What touches what: points of a slave face and the face or obstacle that they touch.
 
+use crate::averaging::Bounded;
+
 /// A point of a slave face that touches a master face or an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactPoint {
     /// Reference coordinates on the slave face.
     pub slave_xi: [f64; 2],
@@ -11,12 +13,31 @@ pub struct ContactPoint {
     pub master_xi: [f64; 2],
     /// Signed distance d, mm; negative is penetration.
     pub distance: f64,
-    /// λ/k, mm: the distance up to which the point's multiplier keeps it in contact; 0 for a plain penalty.
+    /// λ/k, mm: the distance up to which the point's multiplier keeps it in contact; 0 for a plain penalty, and where gaps are averaged.
     pub shift: f64,
-    /// Number of the slave point among all points of the model, see [`crate::ContactModel::num_points`].
+    /// Number of the slave point among all points of the model, see [`crate::ContactModel::num_points`]; 0 where gaps are averaged.
     pub number: usize,
-    /// Traction in the tangent's geometric term, MPa. The search sets it to ⟨λ − k d⟩; a solver may carry another one.
+    /// Traction λ − k d, or what the averages around it make of theirs, MPa.
     pub traction: f64,
+    /// Traction in the tangent's geometric term, MPa. The search sets it to the traction; a solver may carry another one.
+    pub carried: f64,
+    /// Stiffness along the normal, N/mm³: k, or what the averages' bounded distances add where gaps are averaged.
+    pub stiffness: f64,
+}
+
+impl ContactPoint {
+    /// A point with the penalty stiffness `stiffness` of its own.
+    pub(crate) fn with_penalty(self, stiffness: f64) -> Self {
+        let traction = -stiffness * (self.distance - self.shift);
+        Self { traction, carried: traction, stiffness, ..self }
+    }
+
+    /// Adds a share of an average's traction (MPa).
+    pub(crate) fn add(&mut self, traction: f64, phi: Bounded) {
+        self.traction += traction * phi.slope;
+        self.carried += traction * phi.slope;
+        self.stiffness -= traction * phi.curvature;
+    }
 }
 
 /// What a slave face touches.

@@ -7,6 +7,8 @@
 //!
 //! This crate knows faces and positions only: nothing of solids, loads or solvers.
 
+pub mod average_gap;
+pub mod averaging;
 pub mod broad_phase;
 pub mod brute_force;
 pub mod contact_block;
@@ -16,13 +18,18 @@ pub mod obstacle;
 pub mod potential;
 pub mod projection;
 mod search;
+pub mod segments;
 pub mod self_contact;
 pub mod surface;
 pub mod surface_pair;
+pub mod touching;
 
+pub use average_gap::{AverageGap, Owner};
+pub use averaging::Averaging;
 pub use contact_block::{ContactBlock, ContactPoint, Partner};
 pub use model::ContactModel;
 pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
 pub use surface::Surface;
 pub use surface_pair::SurfacePair;
+pub use touching::Touching;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::load::Motion;
-use pneuflex_model::{Contact, ContactPair, LoadParameter, Material, Obstacle, Problem};
+use pneuflex_model::{Contact, ContactMethod, ContactPair, LoadParameter, Material, Obstacle, Problem};
 
+use crate::averaging::Averaging;
 use crate::contact_block::Partner;
 use crate::obstacle::{Distance, distance};
 use crate::projection::{dot, face_geometry, sub};
@@ -49,6 +50,16 @@ pub(crate) struct Rigid {
     pub(crate) rule: Vec<([f64; 2], f64)>,
     pub(crate) areas: Vec<f64>,
     pub(crate) first_point: usize,
+    /// The corners around which gaps are averaged, if they are.
+    pub(crate) averaging: Option<Averaging>,
+    /// How deep points may be at requested loads, mm; `None` for any depth.
+    tolerance: Option<f64>,
+}
+
+impl Rigid {
+    fn num_points(&self) -> usize {
+        self.averaging.as_ref().map_or(self.areas.len(), Averaging::len)
+    }
 }
 
 impl ContactModel {
@@ -57,7 +68,7 @@ impl ContactModel {
         let moduli = problem.materials().0.into_iter().map(Material::shear_modulus);
         let body_stiffness = moduli.fold(f64::INFINITY, f64::min) / problem.mesh.mean_node_spacing();
         let model = Self::new(Arc::clone(&problem.mesh), &problem.contact_pairs, &problem.contact);
-        Self { body_stiffness, ..model }.with_obstacles(&problem.obstacles)
+        Self { body_stiffness, ..model }.with_obstacles(&problem.obstacles, &problem.contact)
     }
 
     /// Sets up the contact of the given pairs of facets; `contact` is the law of those that have none of their own.
@@ -81,14 +92,18 @@ impl ContactModel {
         }
     }
 
-    /// The same with obstacles, at the places where they begin.
-    pub fn with_obstacles(mut self, obstacles: &[Obstacle]) -> Self {
+    /// The same with obstacles, at the places where they begin; `contact` says what those are like that do not say it themselves.
+    pub fn with_obstacles(mut self, obstacles: &[Obstacle], contact: &Contact) -> Self {
         for obstacle in obstacles {
             let surface = Surface::new(&self.mesh, &obstacle.facets);
             let rule = surface.kind.contact_rule();
             let areas = point_areas(&surface, &rule, &self.mesh.nodes, 1.0);
             let (first_point, offset) = (self.num_points(), obstacle.offset(LoadParameter::default()));
-            self.obstacles.push(Rigid { obstacle: obstacle.clone(), surface, offset, rule, areas, first_point });
+            let is_averaged = obstacle.method.unwrap_or(contact.method) == ContactMethod::Mortar;
+            let averaging = is_averaged.then(|| Averaging::of(&surface, &self.mesh.nodes, 1.0));
+            let tolerance = obstacle.penetration_tolerance.or(contact.penetration_tolerance);
+            let obstacle = obstacle.clone();
+            self.obstacles.push(Rigid { obstacle, surface, offset, rule, areas, first_point, averaging, tolerance });
         }
         self
     }
@@ -111,10 +126,10 @@ impl ContactModel {
             }
         };
         for pair in &self.surface_pairs {
-            keep(pair.first_point, pair.areas.len(), pair.stiffness);
+            keep(pair.first_point, pair.num_points(), pair.stiffness);
         }
         for rigid in &self.obstacles {
-            keep(rigid.first_point, rigid.areas.len(), rigid.obstacle.stiffness);
+            keep(rigid.first_point, rigid.num_points(), rigid.obstacle.stiffness);
         }
         kept
     }
@@ -207,11 +222,11 @@ impl ContactModel {
         &self.surface_pairs[surface_pair]
     }
 
-    /// Number of slave points of all surface pairs and obstacles.
+    /// Number of slave points of all surface pairs and obstacles; where gaps are averaged, corners are the points.
     pub fn num_points(&self) -> usize {
         match (self.obstacles.last(), self.surface_pairs.last()) {
-            (Some(rigid), _) => rigid.first_point + rigid.areas.len(),
-            (None, Some(surface_pair)) => surface_pair.first_point + surface_pair.areas.len(),
+            (Some(rigid), _) => rigid.first_point + rigid.num_points(),
+            (None, Some(surface_pair)) => surface_pair.first_point + surface_pair.num_points(),
             (None, None) => 0,
         }
     }
@@ -222,6 +237,28 @@ impl ContactModel {
             Partner::Face { surface_pair, .. } => self.surface_pairs[surface_pair].stiffness,
             Partner::Obstacle(number) => self.obstacles[number].obstacle.stiffness,
         }
+    }
+
+    /// The corners around which the gaps of a block are averaged, if they are, and the number of the first one among the model's points.
+    pub fn averaging(&self, partner: Partner) -> Option<(&Averaging, usize)> {
+        match partner {
+            Partner::Face { surface_pair, .. } => {
+                let SurfacePair { averaging, first_point, .. } = &self.surface_pairs[surface_pair];
+                averaging.as_ref().map(|averaging| (averaging, *first_point))
+            }
+            Partner::Obstacle(number) => {
+                let Rigid { averaging, first_point, .. } = &self.obstacles[number];
+                averaging.as_ref().map(|averaging| (averaging, *first_point))
+            }
+        }
+    }
+
+    /// How deep every point may be at requested loads, mm; infinite where any depth will do.
+    pub fn tolerances(&self) -> Vec<f64> {
+        let of_pairs = self.surface_pairs.iter().map(|pair| (pair.num_points(), pair.tolerance));
+        let of_obstacles = self.obstacles.iter().map(|rigid| (rigid.num_points(), rigid.tolerance));
+        let each = of_pairs.chain(of_obstacles);
+        each.flat_map(|(count, tolerance)| std::iter::repeat_n(tolerance.unwrap_or(f64::INFINITY), count)).collect()
     }
 
     /// The surface that carries the points of a block.

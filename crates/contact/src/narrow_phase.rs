@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
+use pneuflex_mesh::face::FaceShape;
 use pneuflex_mesh::{FaceKind, shape};
 
 use crate::broad_phase::{Bounds, FaceTree, join, overlap};
 use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
+use crate::segments::{Sample, samples};
 use crate::self_contact::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
 use crate::surface::Surface;
 use crate::surface_pair::SurfacePair;
@@ -37,9 +39,9 @@ pub fn single_blocks(
                 distance,
                 shift,
                 number: surface_pair.first_point + face,
-                traction: -surface_pair.stiffness * (distance - shift),
+                ..ContactPoint::default()
             };
-            blocks.push(block(surface_pair, number, face, face, vec![point]));
+            blocks.push(block(surface_pair, number, face, face, vec![point.with_penalty(surface_pair.stiffness)]));
         }
     }
     blocks
@@ -109,9 +111,10 @@ impl<'a> Facing<'a> {
 
     /// The points of some slave faces that are near enough to their feet, grouped by master face.
     pub fn blocks(&self, model: &ContactModel, number: usize, faces: Range<usize>) -> Vec<ContactBlock> {
-        let SurfacePair { slave, areas, rule, reach, stiffness, first_point, .. } = self.surface_pair;
+        let SurfacePair { slave, areas, rule, reach, stiffness, first_point, averaging, .. } = self.surface_pair;
         let kind = slave.kind;
         let shapes: Vec<_> = rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
+        let mut samples: Vec<(Sample, FaceShape)> = Vec::new();
         let mut blocks: Vec<ContactBlock> = Vec::new();
         let (mut near, mut candidates, mut order) = (Vec::new(), Vec::new(), Vec::new());
         for face in faces {
@@ -122,14 +125,24 @@ impl<'a> Facing<'a> {
             let nodes = slave.face_positions(face, self.positions);
             let nodes = &nodes[..kind.num_nodes()];
             let first = first_point + face * rule.len();
-            let room = |i: usize| model.shift(i, *stiffness) + kept_at(self.kept, i);
+            let room = |i: usize| {
+                if averaging.is_some() { 0.0 } else { model.shift(i, *stiffness) + kept_at(self.kept, i) }
+            };
             let most_room = (first..first + rule.len()).map(room).fold(0.0, f64::max);
             // Far from contact, most faces are told apart without a projection.
             if candidates.iter().all(|&m| self.slabs[m].is_clear(kind, nodes, self.margin + most_room)) {
                 continue;
             }
             let first_block = blocks.len();
-            for (index, (&(slave_xi, _), shape)) in rule.iter().zip(&shapes).enumerate() {
+            samples.clear();
+            if averaging.is_some() {
+                let found = self.samples(face, nodes, &candidates, most_room);
+                samples.extend(found.into_iter().map(|sample| (sample, shape::evaluate_face(kind, sample.xi))));
+            } else {
+                let own = rule.iter().zip(&areas[face * rule.len()..]).map(|(&(xi, _), &area)| Sample { xi, area });
+                samples.extend(own.zip(shapes.iter().copied()));
+            }
+            for (index, (sample, shape)) in samples.iter().enumerate() {
                 let geometry = face_geometry(nodes, shape);
                 let slave_point = self.cones.as_ref().map(|_| {
                     let at_rest = face_geometry(&slave.face_positions(face, self.rest)[..kind.num_nodes()], shape);
@@ -138,7 +151,6 @@ impl<'a> Facing<'a> {
                 });
                 let found = self.closest(&candidates, &mut order, geometry.position, slave_point.as_ref());
                 let Some((master_face, foot)) = found else { continue };
-                let shift = model.shift(first + index, *stiffness);
                 if foot.distance >= self.margin + room(first + index) || foot.distance < -*reach {
                     continue;
                 }
@@ -146,13 +158,17 @@ impl<'a> Facing<'a> {
                     continue;
                 }
                 let touching = ContactPoint {
-                    slave_xi,
-                    area: areas[face * rule.len() + index],
+                    slave_xi: sample.xi,
+                    area: sample.area,
                     master_xi: foot.xi,
                     distance: foot.distance,
-                    shift,
-                    number: first + index,
-                    traction: -stiffness * (foot.distance - shift),
+                    ..ContactPoint::default()
+                };
+                let touching = if averaging.is_some() {
+                    touching
+                } else {
+                    let (number, shift) = (first + index, model.shift(first + index, *stiffness));
+                    ContactPoint { shift, number, ..touching }.with_penalty(*stiffness)
                 };
                 let partner = Partner::Face { surface_pair: number, face: master_face };
                 match blocks[first_block..].iter_mut().find(|block| block.partner == partner) {
@@ -162,6 +178,19 @@ impl<'a> Facing<'a> {
             }
         }
         blocks
+    }
+
+    /// Integration points of a slave face, cut along the edges of those candidates that are not clear of it.
+    fn samples(&self, face: usize, nodes: &[[f64; 3]], candidates: &[usize], room: f64) -> Vec<Sample> {
+        let SurfacePair { slave, master, share, .. } = self.surface_pair;
+        let kind = slave.kind;
+        let opposite: Vec<[[f64; 3]; 9]> = (candidates.iter())
+            .filter(|&&m| !self.slabs[m].is_clear(kind, nodes, self.margin + room))
+            .map(|&m| master.face_positions(m, self.positions))
+            .collect();
+        let corners: Vec<&[[f64; 3]]> = opposite.iter().map(|nodes| &nodes[..master.kind.num_corners()]).collect();
+        let at_rest = slave.face_positions(face, self.rest);
+        samples(kind, [nodes, &at_rest[..kind.num_nodes()]], &corners, *share)
     }
 
     fn is_candidate(&self, slave_face: usize, master_face: usize) -> bool {

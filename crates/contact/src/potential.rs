@@ -41,7 +41,8 @@ struct DistanceDerivatives {
     hessian: Vec<f64>,
 }
 
-/// Evaluates a block found by [`ContactModel::search`] at the same positions.
+/// Evaluates a block found by [`ContactModel::search`] at the same positions. Where gaps are averaged, the energy, and the tangent's part
+/// that comes from it, are those of [`crate::AverageGap`].
 pub fn evaluate_block(
     model: &ContactModel,
     block: &ContactBlock,
@@ -49,7 +50,7 @@ pub fn evaluate_block(
     with_tangent: bool,
 ) -> BlockOutput {
     let dofs = 3 * block.nodes.len();
-    let stiffness = model.stiffness(block.partner);
+    let is_averaged = model.averaging(block.partner).is_some();
     let mut out = BlockOutput {
         energy: 0.0,
         residual: vec![0.0; dofs],
@@ -62,12 +63,17 @@ pub fn evaluate_block(
     };
     for point in &block.points {
         distance_derivatives(model, block, point, positions, &mut scratch);
-        let d = scratch.distance - point.shift;
-        let factor = stiffness * point.area;
-        let geometric = -point.traction * point.area;
-        out.energy += 0.5 * factor * d * d;
+        let factor = point.stiffness * point.area;
+        let geometric = -point.carried * point.area;
+        let force = if is_averaged {
+            -point.traction * point.area
+        } else {
+            let d = scratch.distance - point.shift;
+            out.energy += 0.5 * factor * d * d;
+            factor * d
+        };
         for i in 0..dofs {
-            out.residual[i] += factor * d * scratch.gradient[i];
+            out.residual[i] += force * scratch.gradient[i];
         }
         if with_tangent {
             for i in 0..dofs {
@@ -112,6 +118,18 @@ pub fn predicted_tractions(
         (point.number, (-stiffness * distance).max(0.0))
     };
     block.points.iter().map(predict).collect()
+}
+
+/// ∂d/∂x of a point by its block's nodes, three entries each.
+pub(crate) fn distance_gradient(
+    model: &ContactModel,
+    block: &ContactBlock,
+    point: &ContactPoint,
+    positions: &[[f64; 3]],
+) -> [f64; MAX_DOFS] {
+    let mut scratch = DistanceDerivatives { distance: 0.0, gradient: [0.0; MAX_DOFS], hessian: Vec::new() };
+    distance_derivatives(model, block, point, positions, &mut scratch);
+    scratch.gradient
 }
 
 /// A slave point and its partner on the master, with all that the distance depends on.

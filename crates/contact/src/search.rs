@@ -4,45 +4,61 @@ use pneuflex_mesh::shape;
 use pneuflex_model::ContactMethod;
 use rayon::prelude::*;
 
+use crate::average_gap::{close_gaps, coupled_nodes};
+use crate::averaging::Averaging;
 use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::{ContactModel, Rigid};
 use crate::narrow_phase::{Facing, kept_at, single_blocks};
 use crate::obstacle::distance;
 use crate::projection::{dot, face_geometry, sub};
 use crate::surface_pair::SurfacePair;
+use crate::touching::Touching;
 
 /// Points nearer than this share of the nodes' spacing count as touching: bodies that rest on each other without any pressure hold each other in the tangent.
 /// The traction that this invents, k times as much, is far below every tolerance.
 pub const TOUCHING: f64 = 1e-9;
+
+/// The tangent's pattern has room for averages over points near an obstacle, up to this multiple of the distance at which they are far.
+const NEAR_OBSTACLES: f64 = 5.0;
 
 /// Slave faces that one task looks at.
 const CHUNK: usize = 32;
 
 impl ContactModel {
     /// All touching points at the given node positions, grouped by faces, in a fixed order.
-    pub fn search(&self, positions: &[[f64; 3]]) -> Vec<ContactBlock> {
+    pub fn search(&self, positions: &[[f64; 3]]) -> Touching {
         self.search_keeping(positions, &[])
     }
 
     /// The same with those points that are kept in contact up to a distance of their own, mm; `kept` holds one per point of the model, or is
     /// empty for none. See [`Self::kept_distances`].
-    pub fn search_keeping(&self, positions: &[[f64; 3]], kept: &[f64]) -> Vec<ContactBlock> {
-        let mut blocks = self.face_blocks(positions, kept, |_| self.touching);
+    pub fn search_keeping(&self, positions: &[[f64; 3]], kept: &[f64]) -> Touching {
+        let margin = |pair: &SurfacePair| pair.averaging.as_ref().map_or(self.touching, Averaging::farthest);
+        let mut blocks = self.face_blocks(positions, kept, margin);
         blocks.par_extend(self.obstacles.par_iter().enumerate().flat_map_iter(|(number, rigid)| {
             (0..rigid.surface.num_faces())
-                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, kept)))
+                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, kept), 1.0))
         }));
-        blocks
+        let averages = close_gaps(self, &mut blocks, positions, kept);
+        Touching { blocks, averages }
     }
 
-    /// Nodes of the pairs of faces that touch or may soon touch: those for which the tangent's pattern needs room.
+    /// Nodes of the pairs of faces that touch or may soon touch, and of the averages over them: those for which the tangent's pattern needs
+    /// room.
     ///
     /// A slave face belongs with a master face if one of its points, close enough to it, has its foot there.
     pub fn near_face_pairs(&self, positions: &[[f64; 3]]) -> Vec<Vec<u32>> {
-        self.face_blocks(positions, &[], |surface_pair| surface_pair.near)
-            .into_iter()
-            .map(|block| block.nodes)
-            .collect()
+        let margin = |pair: &SurfacePair| pair.averaging.as_ref().map_or(0.0, Averaging::farthest).max(pair.near);
+        let mut blocks = self.face_blocks(positions, &[], margin);
+        // The nodes of one face are coupled by its element already, those around a corner are not.
+        let averaged = self.obstacles.iter().enumerate().filter(|(_, rigid)| rigid.averaging.is_some());
+        blocks.extend(averaged.flat_map(|(number, rigid)| {
+            (0..rigid.surface.num_faces())
+                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, &[]), NEAR_OBSTACLES))
+        }));
+        let mut groups = coupled_nodes(self, &blocks);
+        groups.extend(blocks.into_iter().map(|block| block.nodes));
+        groups
     }
 
     /// Points nearer to their foot than a margin that depends on the surface pair.
@@ -54,7 +70,7 @@ impl ContactModel {
     ) -> Vec<ContactBlock> {
         let facing: Vec<Option<Facing<'_>>> = (self.surface_pairs.par_iter())
             .map(|surface_pair| match surface_pair.method {
-                ContactMethod::MultiPoint => {
+                ContactMethod::MultiPoint | ContactMethod::Mortar => {
                     Facing::new(surface_pair, &self.mesh.nodes, (positions, kept), margin(surface_pair))
                 }
                 _ => None,
@@ -79,42 +95,42 @@ impl ContactModel {
         blocks.collect()
     }
 
+    /// Points of a face that touch an obstacle; where gaps are averaged, those nearer than `reach` times what is far for a corner.
     fn obstacle_block(
         &self,
         number: usize,
         rigid: &Rigid,
         face: usize,
         (positions, kept): (&[[f64; 3]], &[f64]),
+        reach: f64,
     ) -> Option<ContactBlock> {
-        let Rigid { obstacle, surface, offset, rule, areas, first_point } = rigid;
+        let Rigid { obstacle, surface, offset, rule, areas, first_point, averaging, .. } = rigid;
         let kind = surface.kind;
         let n = kind.num_nodes();
         let nodes = &surface.face_positions(face, positions)[..n];
         let first = face * rule.len();
-        let room = |number: usize, shift: f64| shift + kept_at(kept, number);
+        let margin = averaging.as_ref().map_or(self.touching, |averaging| reach * averaging.farthest());
+        let room = |number: usize, shift: f64| if averaging.is_some() { 0.0 } else { shift + kept_at(kept, number) };
         let points = first_point + first..first_point + first + rule.len();
         let most_room = points.map(|i| room(i, self.shift(i, obstacle.stiffness))).fold(0.0, f64::max);
         // The distance changes by no more than the way one moves.
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
         let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + kind.bulge) * radius;
-        if nearest > self.touching + most_room {
+        if nearest > margin + most_room {
             return None;
         }
         let touching = rule.iter().enumerate().filter_map(|(index, &(slave_xi, _))| {
             let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
             let distance = distance(&obstacle.shape, *offset, position).value;
+            let point = ContactPoint { slave_xi, area: areas[first + index], distance, ..ContactPoint::default() };
+            if averaging.is_some() {
+                return (distance < margin).then_some(point);
+            }
             let number = first_point + first + index;
             let shift = self.shift(number, obstacle.stiffness);
-            (distance < self.touching + room(number, shift)).then(|| ContactPoint {
-                slave_xi,
-                area: areas[first + index],
-                master_xi: [0.0; 2],
-                distance,
-                shift,
-                number,
-                traction: -obstacle.stiffness * (distance - shift),
-            })
+            let is_near = distance < margin + room(number, shift);
+            is_near.then(|| ContactPoint { shift, number, ..point }.with_penalty(obstacle.stiffness))
         });
         let points: Vec<_> = touching.collect();
         let partner = Partner::Obstacle(number);

@@ -3,6 +3,7 @@
 use pneuflex_mesh::{Facet, Mesh, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair};
 
+use crate::averaging::Averaging;
 use crate::projection::{dot, face_geometry, sub, unit_normal};
 use crate::self_contact::share_nodes;
 use crate::surface::Surface;
@@ -29,8 +30,15 @@ pub struct SurfacePair {
     pub master: Surface,
     /// Number of the first point.
     pub(crate) first_point: usize,
-    /// Reference area that every point of every slave face stands for, mm²: half of it where both surfaces are slaves.
+    /// Reference area that every point of every slave face stands for, mm²: half of it where both surfaces are slaves. Empty where gaps are
+    /// averaged.
     pub(crate) areas: Vec<f64>,
+    /// Share of the area at rest that points stand for: half where both surfaces are slaves.
+    pub(crate) share: f64,
+    /// The corners around which gaps are averaged, if they are.
+    pub(crate) averaging: Option<Averaging>,
+    /// How deep points may be at requested loads, mm; `None` for any depth.
+    pub(crate) tolerance: Option<f64>,
     pub(crate) rule: Vec<([f64; 2], f64)>,
     /// The surfaces belong together, see [`crate::self_contact`].
     pub(crate) is_self_contact: bool,
@@ -57,11 +65,14 @@ impl SurfacePair {
             let kind = mesh.surface_kind(slave);
             let rule = match method {
                 ContactMethod::SinglePoint => vec![(kind.centre(), kind.reference_area())],
+                ContactMethod::Mortar => Vec::new(),
                 _ => kind.contact_rule(),
             };
             let (slave, master) = (Surface::new(mesh, slave), Surface::new(mesh, master));
-            let areas = point_areas(&slave, &rule, &mesh.nodes, if is_shared { 0.5 } else { 1.0 });
-            let is_self_contact = method == ContactMethod::MultiPoint && share_nodes(&slave, &master);
+            let share = if is_shared { 0.5 } else { 1.0 };
+            let areas = point_areas(&slave, &rule, &mesh.nodes, share);
+            let averaging = (method == ContactMethod::Mortar).then(|| Averaging::of(&slave, &mesh.nodes, share));
+            let is_self_contact = method != ContactMethod::SinglePoint && share_nodes(&slave, &master);
             let rest_distance = if is_self_contact { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
             let (face_size, extent) = sizes(&master, &mesh.nodes);
             let reach = rest_distance.min(0.5 * extent).max(face_size);
@@ -75,6 +86,9 @@ impl SurfacePair {
                 master,
                 first_point,
                 areas,
+                share,
+                averaging,
+                tolerance: pair.penetration_tolerance.or(contact.penetration_tolerance),
                 rule,
                 is_self_contact,
                 rest_distance,
@@ -89,13 +103,13 @@ impl SurfacePair {
         if !pair.is_two_pass || pair.is_self() {
             return vec![forward];
         }
-        let next = first_point + forward.areas.len();
+        let next = first_point + forward.num_points();
         vec![forward, new(&pair.master, &pair.slave, true, next)]
     }
 
-    /// Number of slave points.
+    /// Number of slave points, or of corners around which gaps are averaged.
     pub fn num_points(&self) -> usize {
-        self.areas.len()
+        self.averaging.as_ref().map_or(self.areas.len(), Averaging::len)
     }
 }
 

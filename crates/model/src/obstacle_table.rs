@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
-use crate::options::check_names;
+use crate::options::{ContactMethod, check_names};
 use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
@@ -53,6 +53,13 @@ pub struct ObstacleTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
+    /// Whether gaps are averaged around the corners of faces (`mortar`) or are those of points (`multi-point`); as the file's contact if it is
+    /// left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<ContactMethod>,
+    /// Largest depth at the requested loads, mm; as the file's contact if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penetration_tolerance: Option<f64>,
     /// Whether the force on it is in the results; it is if this is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report_force: Option<bool>,
@@ -115,7 +122,9 @@ impl ObstacleTable {
     pub fn obstacle(&self, facets: Vec<Facet>, stiffness: f64, motion: Option<Motion>) -> Option<Obstacle> {
         let stiffness = self.stiffness.unwrap_or(stiffness);
         let report_force = self.report_force.unwrap_or(true);
-        Some(Obstacle { name: self.name.clone(), shape: self.shape()?, facets, stiffness, motion, report_force })
+        let (method, penetration_tolerance) = (self.method, self.penetration_tolerance);
+        let (name, shape) = (self.name.clone(), self.shape()?);
+        Some(Obstacle { name, shape, facets, stiffness, motion, report_force, method, penetration_tolerance })
     }
 }
 
@@ -209,6 +218,8 @@ mod tests {
             stiffness: None,
             displacement: None,
             factor: None,
+            method: None,
+            penetration_tolerance: None,
             report_force: None,
         };
         let one = Some([0.0, 0.0, 1.0]);

@@ -82,6 +82,9 @@ pub enum ContactMethod {
     SinglePoint,
     /// 4 × 4 Gauss points of a slave face against their closest points on the master surface.
     MultiPoint,
+    /// Gaps averaged around the corners of the slave's faces, integrated between the edges of the master's: faces that do not match transfer
+    /// a uniform pressure exactly.
+    Mortar,
 }
 
 /// Pressures to land on.

@@ -127,6 +127,8 @@ pub struct ContactPair {
     pub stiffness: Option<f64>,
     /// Whether each surface is the slave in turn, with half the weight each.
     pub is_two_pass: bool,
+    /// Largest depth at requested loads, mm; `None` for the problem's.
+    pub penetration_tolerance: Option<f64>,
 }
 
 impl ContactPair {

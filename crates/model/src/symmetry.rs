@@ -144,6 +144,8 @@ mod tests {
                     stiffness: 1.0,
                     motion: None,
                     report_force: true,
+                    method: None,
+                    penetration_tolerance: None,
                 };
                 assert_eq!(symmetry.is_symmetry_of(&obstacle), expected, "{obstacle:?}");
                 obstacle.motion = Some(Motion { displacement: [0.0, 1.0, 0.0], curve: Curve::Proportional(1.0) });

@@ -296,7 +296,16 @@ mod tests {
             let curve = Curve::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
             let motion = Some(Motion { displacement: moved, curve });
             let (name, facets) = ("o".into(), Vec::new());
-            let obstacle = Obstacle { name, shape, facets, stiffness: 1.0, motion, report_force: true };
+            let obstacle = Obstacle {
+                name,
+                shape,
+                facets,
+                stiffness: 1.0,
+                motion,
+                report_force: true,
+                method: None,
+                penetration_tolerance: None,
+            };
             verdict(&Problem { obstacles: vec![obstacle], ..half.clone() })
         };
         let ball = |y| Shape::Sphere { centre: [9.0, y, -6.0], radius: 5.0, is_hollow: false };

@@ -5,6 +5,8 @@
 //! depth (Uzawa's iteration; Wriggers 2006, *Computational Contact Mechanics*, §10.2; Simo & Laursen 1992, *Comput. Struct.* 42). The
 //! multipliers stay with their points on the way to the next load.
 
+use pneuflex_assembly::Tractions;
+
 use crate::event::Observer;
 use crate::failure::Cause;
 use crate::history::Augmentation;
@@ -14,25 +16,26 @@ use crate::path::Path;
 pub const MOST_AUGMENTATIONS: usize = 30;
 
 impl Path {
-    /// Brings the multipliers up to date and solves again until no contact point that carries traction is further than the
+    /// Brings the multipliers up to date and solves again until no contact point that carries traction is further than its
     /// tolerance from its partner. Where that fails, the last equilibrium stays with the reason.
     ///
     /// # Errors
     /// [`Cause::Interrupted`]; the state before the last update stays.
-    pub(crate) fn augment(&mut self, tolerance: f64, observer: Observer<'_>) -> Result<(), Cause> {
+    pub(crate) fn augment(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         let mut failure = None;
         for count in 0..=MOST_AUGMENTATIONS {
             let u = self.equilibrium().state.displacement.clone();
-            let (tractions, distance) = self.system().contact_tractions(&u);
-            if distance > tolerance && count == MOST_AUGMENTATIONS {
-                failure = Some(format!("not within {tolerance} mm after {count} updates of the multipliers"));
+            let Tractions { values, distance, excess } = self.system().contact_tractions(&u);
+            if excess > 1.0 && count == MOST_AUGMENTATIONS {
+                let times = format!("{excess:.2} times what is allowed");
+                failure = Some(format!("still {distance:.2e} mm, {times}, after {count} updates of the multipliers"));
             }
-            if distance <= tolerance || failure.is_some() {
+            if excess <= 1.0 || failure.is_some() {
                 self.set_augmentation(Augmentation { count, distance, failure });
                 return Ok(());
             }
             let before = self.system().contact_multipliers();
-            self.system().set_contact_multipliers(&tractions);
+            self.system().set_contact_multipliers(&values);
             match self.solve_again(None, observer) {
                 Ok(converged) => self.adopt(converged),
                 Err(cause) => {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use pneuflex_assembly::Unilateral;
+use pneuflex_assembly::{Tractions, Unilateral};
 
 use crate::state::State;
 use crate::system::{System, unilateral};
@@ -46,16 +46,22 @@ impl System {
         }
     }
 
-    /// Tractions ⟨λ − k d⟩ of all contact points at a displacement, MPa, and the largest |d| of those that carry one, mm.
-    pub fn contact_tractions(&mut self, displacement: &[[f64; 3]]) -> (Vec<f64>, f64) {
+    /// Tractions of all contact points at a displacement, and how far those are from their partners that carry one.
+    pub fn contact_tractions(&mut self, displacement: &[[f64; 3]]) -> Tractions {
         let start = Instant::now();
-        let (mut tractions, mut distance) = (Vec::new(), 0.0_f64);
+        let mut found = Tractions::default();
         for contact in unilateral(&self.contributions) {
-            let (own, largest) = contact.tractions(displacement);
-            tractions.extend(own);
-            distance = distance.max(largest);
+            let own = contact.tractions(displacement);
+            found.values.extend(own.values);
+            found.distance = found.distance.max(own.distance);
+            found.excess = found.excess.max(own.excess);
         }
         self.timing.contact_s += start.elapsed().as_secs_f64();
-        (tractions, distance)
+        found
+    }
+
+    /// Whether any contact point has a tolerance for its depth, which multipliers are to meet.
+    pub fn is_augmented(&self) -> bool {
+        unilateral(&self.contributions).any(Unilateral::is_augmented)
     }
 }

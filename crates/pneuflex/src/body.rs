@@ -194,7 +194,9 @@ impl Body {
     /// Keeps one set of faces from passing through another, or a set from passing through itself.
     pub fn contact(&mut self, slave: &str, master: &str) -> &mut Self {
         let (slave, master) = (slave.to_owned(), master.to_owned());
-        self.model.contacts.push(ContactTable { slave, master, stiffness: None, two_pass: false });
+        let (method, stiffness, penetration_tolerance) = (None, None, None);
+        let table = ContactTable { slave, master, method, stiffness, penetration_tolerance, two_pass: false };
+        self.model.contacts.push(table);
         self
     }
 

@@ -122,7 +122,7 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
                 Some((ContactMethod::SinglePoint, _)) => {
                     "single-point contact lets walls through: set contact.method to multi-point".into()
                 }
-                Some((ContactMethod::MultiPoint, stiffness)) => {
+                Some((ContactMethod::MultiPoint | ContactMethod::Mortar, stiffness)) => {
                     format!("raise contact.stiffness, which is {stiffness}, or set contact.penetration_tolerance")
                 }
             };

@@ -152,6 +152,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
         ContactMethod::None => ("none", 0),
         ContactMethod::SinglePoint => ("single-point", 1),
         ContactMethod::MultiPoint => ("multi-point", 16),
+        // Its points are the corners of the faces: about one for each.
+        ContactMethod::Mortar => ("mortar", 1),
     };
     rows.add(
         "contact",

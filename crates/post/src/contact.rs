@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_contact::obstacle::distance;
-use pneuflex_contact::{ContactBlock, ContactModel, Partner, evaluate_block};
+use pneuflex_contact::{AverageGap, ContactBlock, ContactModel, Partner, Touching, evaluate_block};
 use pneuflex_mesh::Facet;
 use pneuflex_model::{ContactPair, LoadParameter, Problem};
 
@@ -117,7 +117,9 @@ pub fn evaluate_at(
             *gap = Some(gap.map_or(found, |gap| gap.min(found)));
         }
     }
-    for block in model.search(&positions) {
+    let Touching { blocks, averages } = model.search(&positions);
+    state.penalty_energy_mj += averages.iter().map(AverageGap::energy).sum::<f64>();
+    for block in blocks {
         let area = block.points.iter().map(|p| p.area).sum::<f64>();
         let evaluated = evaluate_block(&model, &block, &positions, false);
         state.penalty_energy_mj += evaluated.energy;
@@ -265,6 +267,8 @@ mod tests {
             stiffness: 4.0,
             motion,
             report_force: true,
+            method: None,
+            penetration_tolerance: None,
         };
         let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };
         let obstacles = vec![table("still", -2.0, None), table("rising", -5.0, Some(rising))];

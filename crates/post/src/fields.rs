@@ -149,6 +149,8 @@ mod tests {
             stiffness: 4.0,
             motion: None,
             report_force: true,
+            method: None,
+            penetration_tolerance: None,
         };
         problem.obstacles.push(table.clone());
         table.facets.push(problem.contact_pairs[0].slave[0]);

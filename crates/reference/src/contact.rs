@@ -135,11 +135,19 @@ impl ContactModel {
         let nodes = |facets: &[Facet]| -> Vec<Vec<u32>> { facets.iter().map(|&f| mesh.facet_nodes(f)).collect() };
         let mut surface_pairs = Vec::new();
         for pair in &problem.contact_pairs {
-            let ContactPair { name, slave, master, method: own_method, stiffness: own_stiffness, is_two_pass } = pair;
+            let ContactPair { name, slave, master, method: own_method, stiffness: own_stiffness, is_two_pass, .. } =
+                pair;
+            if pair.penetration_tolerance.is_some() {
+                let (part, name) = (Unmodelled::PenetrationTolerance, name.clone());
+                return Err(ReferenceError::NotModelled { part, name });
+            }
             let is_single_point = match own_method.unwrap_or(*method) {
                 ContactMethod::None => continue,
                 ContactMethod::SinglePoint => true,
                 ContactMethod::MultiPoint => false,
+                ContactMethod::Mortar => {
+                    return Err(ReferenceError::NotModelled { part: Unmodelled::Mortar, name: name.clone() });
+                }
             };
             if is_single_point && slave.len() != master.len() {
                 let (pair, slave, master) = (name.clone(), slave.len(), master.len());

@@ -13,6 +13,9 @@ pub enum Unmodelled {
     /// Contact with multipliers that are updated until nothing penetrates.
     #[error("contact without penetration (augmented Lagrangian)")]
     PenetrationTolerance,
+    /// Gaps that are averaged.
+    #[error("mortar contact (contact.method = \"mortar\")")]
+    Mortar,
     /// The full invariant in a law that is defined by the isochoric ones.
     #[error("the full invariant in a law other than Yeoh's and neo-Hooke's")]
     FullInvariant,

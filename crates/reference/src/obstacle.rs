@@ -1,12 +1,12 @@
 //! Rigid obstacles: the energy ½ k ∫⟨−φ⟩² dA₀ with the signed distance φ of the deformed points, negative inside (theory §5.6).
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_model::{LoadParameter, Motion, Obstacle, Problem, Shape};
+use pneuflex_model::{ContactMethod, LoadParameter, Motion, Obstacle, Problem, Shape};
 
 use crate::closest_point::penalty;
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot};
 use crate::elements;
-use crate::error::ReferenceError;
+use crate::error::{ReferenceError, Unmodelled};
 use crate::shape::ShapeFunctions;
 
 /// ½ k A ⟨−φ⟩² of a point; v is its position.
@@ -73,10 +73,18 @@ impl ObstacleModel {
     /// An obstacle of a problem, with 4 × 4 points on each of its facets.
     ///
     /// # Errors
-    /// An element family without a formulation.
+    /// An element family without a formulation, or contact that is not modelled ([`Unmodelled`]).
     pub fn new(problem: &Problem, obstacle: &Obstacle) -> Result<Self, ReferenceError> {
         // Whether its force is reported changes nothing.
-        let Obstacle { name: _, shape, facets, stiffness, motion, report_force: _ } = obstacle;
+        let Obstacle { name, shape, facets, stiffness, motion, report_force: _, method, penetration_tolerance } =
+            obstacle;
+        let refused = |part| Err(ReferenceError::NotModelled { part, name: name.clone() });
+        if method.unwrap_or(problem.contact.method) == ContactMethod::Mortar {
+            return refused(Unmodelled::Mortar);
+        }
+        if penetration_tolerance.is_some() {
+            return refused(Unmodelled::PenetrationTolerance);
+        }
         let mesh = &problem.mesh;
         let kind = mesh.surface_kind(facets);
         let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
@@ -193,6 +201,8 @@ mod tests {
                     stiffness: 4.0,
                     motion: Some(motion),
                     report_force: false,
+                    method: None,
+                    penetration_tolerance: None,
                 };
                 let (model, t) = (ObstacleModel::new(&problem, &obstacle).unwrap(), LoadParameter(2.0));
                 let u = noise(problem.num_dofs(), 0.02);

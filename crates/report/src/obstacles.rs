@@ -170,7 +170,16 @@ mod tests {
     use pneuflex_model::{Curve, Formulation};
 
     fn obstacle(shape: Shape, motion: Option<Motion>) -> Obstacle {
-        Obstacle { name: "o".into(), shape, facets: Vec::new(), stiffness: 1.0, motion, report_force: true }
+        Obstacle {
+            name: "o".into(),
+            shape,
+            facets: Vec::new(),
+            stiffness: 1.0,
+            motion,
+            report_force: true,
+            method: None,
+            penetration_tolerance: None,
+        }
     }
 
     fn by(displacement: [f64; 3], curve: Curve) -> Option<Motion> {

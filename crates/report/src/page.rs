@@ -300,6 +300,8 @@ mod tests {
             stiffness: 1.0,
             motion: None,
             report_force: true,
+            method: None,
+            penetration_tolerance: None,
         };
         problem.obstacles.push(ball);
         let html = page_of(problem, "t", force);

@@ -111,7 +111,7 @@ fn touching_points(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<Touching
     let positions: Vec<[f64; 3]> =
         (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect();
     let mut touching = Vec::new();
-    for block in model.search(&positions) {
+    for block in model.search(&positions).blocks {
         let nodes = &block.nodes[..block.nodes.len() / 2];
         for point in &block.points {
             let shape = shape::evaluate_face(problem.mesh.kind.face_kind(0), point.slave_xi);

@@ -28,7 +28,7 @@ fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
 #[test]
 fn force_and_tangent_are_derivatives_of_the_energy() {
     for kind in ElementKind::ALL {
-        for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
+        for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint, ContactMethod::Mortar] {
             let (mesh, pairs, positions) = touching(kind);
             let model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
             let here = total(&model, &positions);
@@ -64,7 +64,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
 
 #[test]
 fn the_two_sides_balance_in_force_and_moment() {
-    for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
+    for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint, ContactMethod::Mortar] {
         let (mesh, pairs, positions) = touching(ElementKind::Hex8);
         let model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
         let here = total(&model, &positions);
@@ -85,10 +85,10 @@ fn near_pairs_cover_every_touching_pair() {
     let (mesh, pairs, positions) = touching(ElementKind::Hex20);
     let model = ContactModel::new(mesh.clone(), &pairs, &Contact::default());
     let near = model.near_face_pairs(&positions);
-    let touching = model.search(&positions);
+    let touching = model.search(&positions).blocks;
     assert!(!touching.is_empty());
     assert!(touching.iter().all(|block| near.contains(&block.nodes)));
-    assert!(model.search(&mesh.nodes).is_empty(), "nothing touches at rest");
+    assert!(model.search(&mesh.nodes).blocks.is_empty(), "nothing touches at rest");
 }
 
 /// Brute force: the closest foot over all faces, without boxes or order.
@@ -120,6 +120,7 @@ fn the_search_finds_the_same_points_as_brute_force() {
         }
         let mut found: Vec<_> = model
             .search(&positions)
+            .blocks
             .iter()
             .flat_map(|b| {
                 let Partner::Face { face, .. } = b.partner else { panic!("no obstacles here") };

@@ -16,7 +16,16 @@ fn block(kind: ElementKind) -> (Mesh, Vec<[f64; 3]>) {
 
 fn obstacle(mesh: &Mesh, shape: Shape) -> Obstacle {
     let facets = mesh.select_facets(|x| x[2].abs() < 1e-12);
-    Obstacle { name: "obstacle".into(), shape, facets, stiffness: 3.0, motion: None, report_force: true }
+    Obstacle {
+        name: "obstacle".into(),
+        shape,
+        facets,
+        stiffness: 3.0,
+        motion: None,
+        report_force: true,
+        method: None,
+        penetration_tolerance: None,
+    }
 }
 
 /// Obstacles that all stand in the way of the block's lower side.
@@ -43,10 +52,11 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
         for (shape, with_multipliers) in shapes().into_iter().flat_map(|s| [(s.clone(), false), (s, true)]) {
             let (mesh, positions) = block(kind);
             let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default())
-                .with_obstacles(&[obstacle(&mesh, shape.clone())]);
+                .with_obstacles(&[obstacle(&mesh, shape.clone())], &Contact::default());
             if with_multipliers {
                 model.set_multipliers(multipliers(&model));
-                let open = model.search(&positions).iter().flat_map(|b| &b.points).filter(|p| p.distance > 0.0).count();
+                let open =
+                    model.search(&positions).blocks.iter().flat_map(|b| &b.points).filter(|p| p.distance > 0.0).count();
                 assert!(open > 0, "{kind:?} {shape:?}");
             }
             let here = total(&model, &positions);
@@ -81,10 +91,11 @@ fn a_plane_that_is_moved_presses_with_k_delta() {
         let shape = Shape::Plane { point: [0.0, 0.0, -0.5], normal: [0.0, 0.0, 2.0] };
         let motion = Motion { displacement: [0.0, 0.0, 1.0], curve: Curve::Proportional(0.1) };
         let plane = Obstacle { motion: Some(motion), ..obstacle(&mesh, shape) };
-        let mut model = ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[plane]);
-        assert!(model.search(&mesh.nodes).is_empty());
+        let mut model =
+            ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[plane], &Contact::default());
+        assert!(model.search(&mesh.nodes).blocks.is_empty());
         model.set_parameter(LoadParameter(4.9));
-        assert!(model.search(&mesh.nodes).is_empty());
+        assert!(model.search(&mesh.nodes).blocks.is_empty());
         model.set_parameter(LoadParameter(5.2));
         let pressed = total(&model, &mesh.nodes);
         let sum: f64 = pressed.gradient.iter().skip(2).step_by(3).sum();
@@ -103,8 +114,8 @@ fn every_point_in_an_obstacle_is_found() {
     let positions: Vec<[f64; 3]> = mesh.nodes.iter().map(bent).collect();
     let rule = kind.face_kind(0).contact_rule();
     for shape in shapes() {
-        let model =
-            ContactModel::new(mesh.clone(), &[], &Contact::default()).with_obstacles(&[obstacle(&mesh, shape.clone())]);
+        let model = ContactModel::new(mesh.clone(), &[], &Contact::default())
+            .with_obstacles(&[obstacle(&mesh, shape.clone())], &Contact::default());
         let surface = model.slave(Partner::Obstacle(0));
         let mut expected = Vec::new();
         for face in 0..surface.num_faces() {
@@ -118,7 +129,7 @@ fn every_point_in_an_obstacle_is_found() {
                 }
             }
         }
-        let found: Vec<_> = (model.search(&positions).iter())
+        let found: Vec<_> = (model.search(&positions).blocks.iter())
             .flat_map(|b| b.points.iter().map(|p| (b.slave_face, p.slave_xi)).collect::<Vec<_>>())
             .collect();
         assert!(found.len() > 10);

@@ -1,6 +1,6 @@
 //! Sums over all blocks of a contact model.
 
-use pneuflex_contact::{ContactModel, evaluate_block};
+use pneuflex_contact::{ContactModel, Touching, evaluate_block};
 
 /// Sums over a whole model.
 pub struct Total {
@@ -16,7 +16,19 @@ pub struct Total {
 pub fn total(model: &ContactModel, positions: &[[f64; 3]]) -> Total {
     let n = 3 * positions.len();
     let mut total = Total { energy: 0.0, gradient: vec![0.0; n], hessian: vec![vec![0.0; n]; n] };
-    for block in model.search(positions) {
+    let Touching { blocks, averages } = model.search(positions);
+    for gap in averages {
+        total.energy += gap.energy();
+        let dofs: Vec<(usize, f64)> = (gap.nodes.iter().zip(&gap.gradient))
+            .flat_map(|(&node, gradient)| (0..3).map(move |k| (3 * node as usize + k, gradient[k])))
+            .collect();
+        for &(p, of_row) in &dofs {
+            for &(q, of_column) in &dofs {
+                total.hessian[p][q] += gap.tangent_factor() * of_row * of_column;
+            }
+        }
+    }
+    for block in blocks {
         let out = evaluate_block(model, &block, positions, true);
         total.energy += out.energy;
         let dofs: Vec<usize> =

@@ -64,7 +64,7 @@ fn a_closing_slit_touches_itself_as_its_two_sides_do_in_turn() {
     for kind in ElementKind::ALL {
         let mesh = slit(kind);
         let itself = model(&mesh, self_pair(&mesh));
-        assert!(itself.search(&mesh.nodes).is_empty(), "nothing touches at rest");
+        assert!(itself.search(&mesh.nodes).blocks.is_empty(), "nothing touches at rest");
         let positions = closed(&mesh);
         let lip = |z: f64| mesh.select_facets(|x| (x[2] - z).abs() < 1e-9 && x[0] > 1.9);
         let in_turn = ContactPair { is_two_pass: true, ..ContactPair::new("lips", lip(1.25), lip(1.75)) };
@@ -98,7 +98,7 @@ fn two_passes_share_the_stiffness() {
             let on_slave: f64 =
                 mesh.nodes.iter().zip(here.gradient.chunks(3)).filter(|(x, _)| x[0] < 1.1).map(|(_, g)| g[0]).sum();
             assert!((on_slave - 3.0 * 0.05 * 4.0).abs() < 1e-12, "{kind:?}: {on_slave}");
-            let area: f64 = model.search(&pressed).iter().flat_map(|b| &b.points).map(|p| p.area).sum();
+            let area: f64 = model.search(&pressed).blocks.iter().flat_map(|b| &b.points).map(|p| p.area).sum();
             assert!((area - 4.0).abs() < 1e-12);
         }
         // The same whichever is named first.
@@ -142,7 +142,7 @@ fn the_legs_of_a_folded_strip_touch() {
             [r * cos - beyond * sin, y, r * sin + beyond * cos]
         });
         let itself = model(&mesh, self_pair(&mesh));
-        let found = itself.search(&positions);
+        let found = itself.search(&positions).blocks;
         assert!(found.len() > 5, "{kind:?}");
         // The legs' inner planes are tangents of the inner circle.
         let (inner, mut area) = (RADIUS - 0.5, 0.0);
@@ -183,9 +183,9 @@ fn a_rolled_strip_touches_its_next_winding_and_not_the_far_side_of_it() {
     for kind in ElementKind::ALL {
         let mesh = strip(kind, 32.0, 96, 0.2);
         let itself = model(&mesh, self_pair(&mesh));
-        let open = itself.search(&rolled(&mesh, 0.3));
+        let open = itself.search(&rolled(&mesh, 0.3)).blocks;
         assert!(open.is_empty(), "{kind:?}: {:?}", open[0]);
-        let pressed = itself.search(&rolled(&mesh, 0.17));
+        let pressed = itself.search(&rolled(&mesh, 0.17)).blocks;
         let points: Vec<_> = pressed.iter().flat_map(|b| &b.points).collect();
         assert!(points.len() > 500, "{kind:?}: {}", points.len());
         assert!(points.iter().all(|p| p.distance < 0.0 && p.distance > -0.06), "{kind:?}");
@@ -202,10 +202,10 @@ fn the_other_side_of_a_thin_wall_is_no_contact() {
             let (x, y, z) = (3.0 * x, 3.0 * y, z / 9.0);
             [x, y, z + 0.4 * (0.3 * x).sin() + 0.1 * (0.7 * y).cos()]
         });
-        assert!(itself.search(&thin).is_empty(), "{kind:?} {:?}", itself.search(&thin)[0]);
+        assert!(itself.search(&thin).blocks.is_empty(), "{kind:?} {:?}", itself.search(&thin).blocks[0]);
         // Sheared by one and a half.
         let sheared = moved(&mesh, |[x, y, z]| [x + 1.5 * z, y, z]);
-        assert!(itself.search(&sheared).is_empty(), "{kind:?}");
+        assert!(itself.search(&sheared).blocks.is_empty(), "{kind:?}");
     }
 }
 
@@ -231,7 +231,7 @@ fn the_search_finds_what_brute_force_finds() {
                 .into_iter()
                 .map(|[x, y, z]| [x + 0.05 * (wave * z).sin(), y, z + 0.05 * (wave * x + y).cos()])
                 .collect();
-            let found = points_of(&itself.search(&positions));
+            let found = points_of(&itself.search(&positions).blocks);
             let expected: Vec<_> = (brute_force::feet(&itself, 0, &positions).iter())
                 .map(|foot| (foot.number, foot.master_face, foot.projection.distance.to_bits()))
                 .collect();
@@ -252,7 +252,7 @@ fn the_search_is_the_same_for_any_number_of_threads() {
     let positions = rolled(&mesh, 0.17);
     let [one, two, five] = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| itself.search(&positions))
+        pool.install(|| itself.search(&positions).blocks)
     });
     assert!(one.len() > 50 && one == two && two == five);
 }

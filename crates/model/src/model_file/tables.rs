@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
 use crate::obstacle_table::ObstacleTable;
-use crate::options::{MeshOptions, Output, Probe};
+use crate::options::{ContactMethod, MeshOptions, Output, Probe};
 use crate::series::Series;
 
 /// A whole model file.
@@ -217,9 +217,15 @@ pub struct ContactTable {
     pub slave: String,
     /// Surface onto which they are projected; the same one for a surface that may touch itself.
     pub master: String,
+    /// How the surfaces are kept apart; [`ContactMethod::Mortar`] if it is left out, or as in the gaps of an actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<ContactMethod>,
     /// Penalty stiffness, N/mm³; from the material and the faces' size if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
+    /// Largest depth at the requested times, mm; a share of the faces' size if it is left out, or as in the gaps of an actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penetration_tolerance: Option<f64>,
     /// Whether each surface is the slave in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub two_pass: bool,

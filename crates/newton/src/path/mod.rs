@@ -58,8 +58,6 @@ pub struct Path {
     /// Seconds spent before this path was resumed.
     spent: Timing,
     stop: Option<Arc<AtomicBool>>,
-    /// Largest distance of contact points asked for at requested positions, mm.
-    penetration_tolerance: Option<f64>,
     augmentation: Option<Augmentation>,
 }
 
@@ -118,7 +116,6 @@ impl Path {
             first_rate: None,
             spent: Timing::default(),
             stop: None,
-            penetration_tolerance: problem.contact.penetration_tolerance,
             augmentation: None,
         })
     }
@@ -224,8 +221,8 @@ impl Path {
         self.step += 1;
         let converged = self.solve_again(Some(held_displacement), observer)?;
         self.adopt(converged);
-        if let Some(tolerance) = self.penetration_tolerance {
-            self.augment(tolerance, observer)?;
+        if self.system.is_augmented() {
+            self.augment(observer)?;
         }
         Ok(self.describe(self.iterations - before, 1))
     }

@@ -72,8 +72,8 @@ impl Path {
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
-        if let Some(tolerance) = self.penetration_tolerance.filter(|_| attempt.attempted == requested) {
-            self.augment(tolerance, observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
+        if attempt.attempted == requested && self.system.is_augmented() {
+            self.augment(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
         }
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));

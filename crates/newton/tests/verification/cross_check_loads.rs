@@ -185,8 +185,16 @@ fn obstacles() {
             problem.supports = vec![Support { name: "table".into(), nodes, axes: [true; 3], motion: None }];
             let motion = Some(Motion { displacement: [0.05, -0.03, -0.3], curve: ramp() });
             let (shape, name_of) = (shape.clone(), "press".to_owned());
-            problem.obstacles =
-                vec![Obstacle { name: name_of, shape, facets, stiffness: 6.0, motion, report_force: false }];
+            problem.obstacles = vec![Obstacle {
+                name: name_of,
+                shape,
+                facets,
+                stiffness: 6.0,
+                motion,
+                report_force: false,
+                method: None,
+                penetration_tolerance: None,
+            }];
             let (solver, expected, found) = check(&name, &problem, &[0.5, 1.0], 0.02);
             for (found, expected) in found.iter().zip(&expected) {
                 let distances = solver.obstacles()[0].distances(&expected.displacement, expected.parameter);

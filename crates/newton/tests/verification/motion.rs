@@ -41,8 +41,16 @@ fn arch(formulation: Formulation, shape: Shape, stiffness: f64, mover: Mover) ->
     };
     problem.supports = vec![Support { name: "feet".into(), nodes: feet, axes: [true; 3], motion: of_feet }];
     let press = "press".into();
-    problem.obstacles =
-        vec![Obstacle { name: press, shape, facets: top, stiffness, motion: of_obstacle, report_force: true }];
+    problem.obstacles = vec![Obstacle {
+        name: press,
+        shape,
+        facets: top,
+        stiffness,
+        motion: of_obstacle,
+        report_force: true,
+        method: None,
+        penetration_tolerance: None,
+    }];
     problem.clock = Clock::Steps;
     problem
 }

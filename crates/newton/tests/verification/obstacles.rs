@@ -37,6 +37,8 @@ fn pressed_block(formulation: Formulation) -> Problem {
         stiffness: STIFFNESS,
         motion: Some(motion),
         report_force: true,
+        method: None,
+        penetration_tolerance: None,
     }];
     problem.clock = Clock::Steps;
     problem
@@ -55,7 +57,7 @@ fn depths_and_force(problem: &Problem, state: &ConvergedState) -> (Vec<f64>, f64
     model.set_parameter(state.parameter);
     model.set_multipliers(state.contact_multipliers.clone());
     let positions = sum(&problem.mesh.nodes, &state.displacement);
-    let depths = model.search(&positions).iter().flat_map(|b| &b.points).map(|p| -p.distance).collect();
+    let depths = model.search(&positions).blocks.iter().flat_map(|b| &b.points).map(|p| -p.distance).collect();
     let force = problem.supports[2].nodes.iter().map(|&node| state.reaction[node as usize][2]).sum();
     (depths, force)
 }
@@ -100,7 +102,7 @@ fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
     problem.contact.penetration_tolerance = Some(1e-3);
     let deepest = |problem: &Problem, state: &ConvergedState| {
         let positions = sum(&problem.mesh.nodes, &state.displacement);
-        let blocks = ContactModel::of(problem).search(&positions);
+        let blocks = ContactModel::of(problem).search(&positions).blocks;
         blocks.iter().flat_map(|b| &b.points).fold(0.0, |d: f64, p| d.max(-p.distance))
     };
     let settings = Solver { max_step: 8.0, ..Solver::default() };

@@ -249,6 +249,8 @@ fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>)
         size: is(&[ShapeName::Cuboid]).then_some([radius, 2.0 * radius, 2.0 * radius]),
         edge_radius: is(&[ShapeName::Cuboid]).then_some(0.2 * radius),
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
+        method: None,
+        penetration_tolerance: None,
         displacement: None,
         factor: None,
         report_force: dice.maybe(0.2, |dice| dice.chance(0.7)),
@@ -572,7 +574,9 @@ fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {
     ContactTable {
         slave: slave.into(),
         master: master.into(),
+        method: None,
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
+        penetration_tolerance: None,
         two_pass: dice.chance(0.3),
     }
 }

@@ -111,6 +111,8 @@ impl Frame {
             size,
             edge_radius,
             stiffness,
+            method,
+            penetration_tolerance,
             displacement,
             factor,
             report_force,
@@ -131,6 +133,8 @@ impl Frame {
             size: size.map(|size| self.lengths(size)),
             edge_radius: edge_radius.map(length),
             stiffness: stiffness.map(|k| k * self.stress / self.length),
+            method,
+            penetration_tolerance: penetration_tolerance.map(|depth| self.length * depth),
             displacement: displacement.map(|u| self.point(u)),
             factor: self.factor(factor.as_ref()),
             report_force,
@@ -236,11 +240,10 @@ impl Frame {
                 factor: self.factor(factor.as_ref()),
             }),
             contacts: (contacts.into_iter())
-                .map(|ContactTable { slave, master, stiffness, two_pass }| ContactTable {
-                    slave,
-                    master,
-                    stiffness: stiffness.map(|k| per_length * k),
-                    two_pass,
+                .map(|table| ContactTable {
+                    stiffness: table.stiffness.map(|k| per_length * k),
+                    penetration_tolerance: table.penetration_tolerance.map(|depth| self.length * depth),
+                    ..table
                 })
                 .collect(),
             obstacles: obstacles.iter().map(|table| self.obstacle(table)).collect(),

@@ -212,7 +212,9 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     let gap = |i: usize| ContactTable {
         slave: format!("gap_{i}_left"),
         master: format!("gap_{i}_right"),
+        method: Some(problem.contact.method),
         stiffness: Some(problem.contact.stiffness),
+        penetration_tolerance: problem.contact.penetration_tolerance,
         two_pass: false,
     };
     let mut obstacles = actuator.obstacles.clone();
