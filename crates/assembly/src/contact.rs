@@ -21,22 +21,55 @@ pub struct ContactForces {
     positions: Vec<[f64; 3]>,
     /// and on the load path.
     parameter: LoadParameter,
-    /// Traction of every contact point in the tangent's geometric term, MPa.
-    carried: Vec<f64>,
+    /// Traction of every contact point in the tangent's geometric term, MPa; and where surfaces are cut along each other's edges, whether they
+    /// are to be with the next tangent (0 or 1), and at which displacement they were (mm, three per node).
+    stored: Vec<f64>,
+    /// Whether a tangent comes next.
+    is_linearised: bool,
+    /// Mean distance of the nodes, mm.
+    spacing: f64,
 }
+
+/// Surfaces that have moved by more than this share of the nodes' spacing are cut along each other's edges again.
+const CUT_AGAIN: f64 = 0.02;
 
 impl ContactForces {
     /// The contact of a problem, at rest.
     pub fn of(problem: &Problem) -> Self {
         let model = ContactModel::of(problem);
-        let carried = vec![0.0; model.num_points()];
+        let cut = if model.is_cut() { 1 + problem.num_dofs() } else { 0 };
+        let stored = vec![0.0; model.num_points() + cut];
         Self {
             model,
             mesh: problem.mesh.clone(),
             touching: Touching::default(),
             positions: Vec::new(),
             parameter: LoadParameter::default(),
-            carried,
+            stored,
+            is_linearised: false,
+            spacing: problem.mesh.mean_node_spacing(),
+        }
+    }
+
+    /// Tractions of all points.
+    fn carried(&self) -> &[f64] {
+        &self.stored[..self.model.num_points()]
+    }
+
+    /// With a new tangent, surfaces that have moved since are cut along each other's edges once more; small corrections leave the cuts where they
+    /// are: Newton's method has a fixed energy before it then.
+    fn cut_where_moved(&mut self, displacement: &[[f64; 3]]) {
+        let points = self.model.num_points();
+        if !std::mem::take(&mut self.is_linearised) || self.stored.len() == points {
+            return;
+        }
+        let (flag, at) = self.stored[points..].split_at_mut(1);
+        let limit = CUT_AGAIN * self.spacing;
+        let has_moved = displacement.as_flattened().iter().zip(at.iter()).any(|(u, v)| (u - v).abs() > limit);
+        if flag[0] != 0.0 || has_moved {
+            flag[0] = 0.0;
+            at.copy_from_slice(displacement.as_flattened());
+            self.model.cut(&self.positions);
         }
     }
 
@@ -59,9 +92,10 @@ impl Contribution for ContactForces {
         self.parameter = position.parameter;
         self.model.set_parameter(position.parameter);
         self.positions = self.mesh.deformed(position.displacement);
-        let kept = if position.is_on_the_way { self.model.kept_distances(&self.carried) } else { Vec::new() };
+        self.cut_where_moved(position.displacement);
+        let kept = if position.is_on_the_way { self.model.kept_distances(self.carried()) } else { Vec::new() };
         self.touching = self.model.search_keeping(&self.positions, &kept);
-        self.touching.carry(&self.model, &self.carried);
+        self.touching.carry(&self.model, &self.stored[..self.model.num_points()]);
     }
 
     fn blocks(&self) -> Option<&dyn LocalContribution> {
@@ -83,32 +117,44 @@ impl Contribution for ContactForces {
 
 impl Mixed for ContactForces {
     fn predict(&mut self, prediction: &Arc<Prediction>) {
-        self.carried.fill(0.0);
+        let points = self.model.num_points();
+        self.stored[..points].fill(0.0);
         if let Some(correction) = &prediction.correction {
             let moved = prediction.motion.map_or_else(Vec::new, |[from, to]| self.model.moved(from, to));
             let own = self.touching.blocks.iter().filter(|block| self.model.averaging(block.partner).is_none());
             for block in own {
                 let predicted = predicted_tractions(&self.model, block, &self.positions, correction, &moved);
                 for (number, traction) in predicted {
-                    self.carried[number] = traction;
+                    self.stored[number] = traction;
                 }
             }
             for gap in &self.touching.averages {
-                self.carried[gap.number] = gap.predicted_traction(correction, &moved);
+                self.stored[gap.number] = gap.predicted_traction(correction, &moved);
             }
         } else {
             for (number, traction, _) in self.found_at(&prediction.displacement).tractions(&self.model) {
-                self.carried[number] = traction;
+                self.stored[number] = traction;
+            }
+            if let Some(is_to_cut) = self.stored.get_mut(points) {
+                *is_to_cut = 1.0;
             }
         }
     }
 
+    fn linearise(&mut self) {
+        self.is_linearised = true;
+    }
+
     fn stored(&self) -> &[f64] {
-        &self.carried
+        &self.stored
     }
 
     fn restore(&mut self, stresses: &[f64]) {
-        self.carried.copy_from_slice(stresses);
+        self.stored.copy_from_slice(stresses);
+        if let Some((_, at)) = self.stored[self.model.num_points()..].split_first() {
+            let at: Vec<[f64; 3]> = at.as_chunks().0.to_vec();
+            self.model.cut(&self.mesh.deformed(&at));
+        }
     }
 }
 

@@ -253,6 +253,11 @@ impl ContactModel {
         }
     }
 
+    /// Whether gaps between surfaces are averaged anywhere, see [`Self::cut`].
+    pub fn is_cut(&self) -> bool {
+        self.surface_pairs.iter().any(|pair| pair.averaging.is_some())
+    }
+
     /// How deep every point may be at requested loads, mm; infinite where any depth will do.
     pub fn tolerances(&self) -> Vec<f64> {
         let of_pairs = self.surface_pairs.iter().map(|pair| (pair.num_points(), pair.tolerance));

@@ -136,8 +136,8 @@ impl<'a> Facing<'a> {
             let first_block = blocks.len();
             samples.clear();
             if averaging.is_some() {
-                let found = self.samples(face, nodes, &candidates, most_room);
-                samples.extend(found.into_iter().map(|sample| (sample, shape::evaluate_face(kind, sample.xi))));
+                let own = self.surface_pair.samples[face].iter();
+                samples.extend(own.map(|&sample| (sample, shape::evaluate_face(kind, sample.xi))));
             } else {
                 let own = rule.iter().zip(&areas[face * rule.len()..]).map(|(&(xi, _), &area)| Sample { xi, area });
                 samples.extend(own.zip(shapes.iter().copied()));
@@ -180,13 +180,16 @@ impl<'a> Facing<'a> {
         blocks
     }
 
-    /// Integration points of a slave face, cut along the edges of those candidates that are not clear of it.
-    fn samples(&self, face: usize, nodes: &[[f64; 3]], candidates: &[usize], room: f64) -> Vec<Sample> {
-        let SurfacePair { slave, master, share, .. } = self.surface_pair;
+    /// Integration points of a slave face, cut along the edges of the master's faces that are not clear of it.
+    pub fn cut(&self, face: usize) -> Vec<Sample> {
+        let SurfacePair { slave, master, share, reach, .. } = self.surface_pair;
         let kind = slave.kind;
-        let opposite: Vec<[[f64; 3]; 9]> = (candidates.iter())
-            .filter(|&&m| !self.slabs[m].is_clear(kind, nodes, self.margin + room))
-            .map(|&m| master.face_positions(m, self.positions))
+        let nodes = &slave.face_positions(face, self.positions)[..kind.num_nodes()];
+        let mut near = Vec::new();
+        self.tree.overlapping(&self.boxes, &slave.bounding_box(face, self.positions), *reach, &mut near);
+        let opposite: Vec<[[f64; 3]; 9]> = (near.into_iter())
+            .filter(|&m| self.is_candidate(face, m) && !self.slabs[m].is_clear(kind, nodes, self.margin))
+            .map(|m| master.face_positions(m, self.positions))
             .collect();
         let corners: Vec<&[[f64; 3]]> = opposite.iter().map(|nodes| &nodes[..master.kind.num_corners()]).collect();
         let at_rest = slave.face_positions(face, self.rest);

@@ -21,6 +21,9 @@ pub const TOUCHING: f64 = 1e-9;
 /// The tangent's pattern has room for averages over points near an obstacle, up to this multiple of the distance at which they are far.
 const NEAR_OBSTACLES: f64 = 5.0;
 
+/// Faces nearer than this share of the surfaces' reach are cut along each other's edges.
+const CUT_NEARER: f64 = 0.25;
+
 /// Slave faces that one task looks at.
 const CHUNK: usize = 32;
 
@@ -41,6 +44,18 @@ impl ContactModel {
         }));
         let averages = close_gaps(self, &mut blocks, positions, kept);
         Touching { blocks, averages }
+    }
+
+    /// Integration points of averaged gaps: slave faces are cut along the edges of the master's faces as they lie at these positions. The
+    /// points stay where they are on their faces until this is called again, so that forces are derivatives of an energy.
+    pub fn cut(&mut self, positions: &[[f64; 3]]) {
+        let Self { surface_pairs, mesh, .. } = self;
+        for surface_pair in surface_pairs.iter_mut().filter(|pair| pair.averaging.is_some()) {
+            let margin = CUT_NEARER * surface_pair.reach;
+            let Some(facing) = Facing::new(surface_pair, &mesh.nodes, (positions, &[]), margin) else { continue };
+            let faces = 0..surface_pair.slave.num_faces();
+            surface_pair.samples = faces.into_par_iter().map(|face| facing.cut(face)).collect();
+        }
     }
 
     /// Nodes of the pairs of faces that touch or may soon touch, and of the averages over them: those for which the tangent's pattern needs

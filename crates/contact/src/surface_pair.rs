@@ -5,6 +5,7 @@ use pneuflex_model::{Contact, ContactMethod, ContactPair};
 
 use crate::averaging::Averaging;
 use crate::projection::{dot, face_geometry, sub, unit_normal};
+use crate::segments::{Sample, samples};
 use crate::self_contact::share_nodes;
 use crate::surface::Surface;
 
@@ -37,6 +38,8 @@ pub struct SurfacePair {
     pub(crate) share: f64,
     /// The corners around which gaps are averaged, if they are.
     pub(crate) averaging: Option<Averaging>,
+    /// Integration points of every slave face where gaps are averaged, see [`crate::ContactModel::cut`].
+    pub(crate) samples: Vec<Vec<Sample>>,
     /// How deep points may be at requested loads, mm; `None` for any depth.
     pub(crate) tolerance: Option<f64>,
     pub(crate) rule: Vec<([f64; 2], f64)>,
@@ -72,6 +75,7 @@ impl SurfacePair {
             let share = if is_shared { 0.5 } else { 1.0 };
             let areas = point_areas(&slave, &rule, &mesh.nodes, share);
             let averaging = (method == ContactMethod::Mortar).then(|| Averaging::of(&slave, &mesh.nodes, share));
+            let samples = averaging.as_ref().map_or_else(Vec::new, |_| uncut(&slave, &mesh.nodes, share));
             let is_self_contact = method != ContactMethod::SinglePoint && share_nodes(&slave, &master);
             let rest_distance = if is_self_contact { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
             let (face_size, extent) = sizes(&master, &mesh.nodes);
@@ -88,6 +92,7 @@ impl SurfacePair {
                 areas,
                 share,
                 averaging,
+                samples,
                 tolerance: pair.penetration_tolerance.or(contact.penetration_tolerance),
                 rule,
                 is_self_contact,
@@ -125,6 +130,17 @@ pub(crate) fn point_areas(surface: &Surface, rule: &[([f64; 2], f64)], nodes: &[
         }
     }
     areas
+}
+
+/// Integration points of every face before anything is near it.
+fn uncut(surface: &Surface, nodes: &[[f64; 3]], share: f64) -> Vec<Vec<Sample>> {
+    let kind = surface.kind;
+    let of_face = |face| {
+        let positions = surface.face_positions(face, nodes);
+        let positions = &positions[..kind.num_nodes()];
+        samples(kind, [positions; 2], &[], share)
+    };
+    (0..surface.num_faces()).map(of_face).collect()
 }
 
 /// Distance of the two surfaces at rest, from the slave's first corner, mm.

@@ -90,11 +90,17 @@ impl Checkpoint {
         })
     }
 
-    /// Checks that every list has the length that a problem asks for and every number is finite.
+    /// Checks that every list has the length that a problem asks for and every number is finite. `num_stored` is the length of what the
+    /// contributions keep of a tangent ([`pneuflex_assembly::Mixed::stored`]).
     ///
     /// # Errors
     /// What does not fit.
-    pub fn check(&self, num_nodes: usize, num_contact_points: usize, num_bordered: usize) -> Result<(), Misfit> {
+    pub fn check(
+        &self,
+        num_nodes: usize,
+        [num_contact_points, num_stored]: [usize; 2],
+        num_bordered: usize,
+    ) -> Result<(), Misfit> {
         let field = |values: &[[f64; 3]]| values.len() == num_nodes && is_finite(values.as_flattened());
         let fits = field(&self.displacement) && self.multipliers.len() == 3 * num_nodes && is_finite(&self.multipliers);
         let lambda = &self.contact_multipliers;
@@ -115,7 +121,7 @@ impl Checkpoint {
             && beside(bordered)
             && field(&carried.displacement)
             && carried.correction.as_ref().is_none_or(|correction| field(correction))
-            && tractions.len() == num_contact_points
+            && tractions.len() == num_stored
             && is_finite(tractions)
             && parameter.0.is_finite();
         if fits { Ok(()) } else { Err(Misfit("its tangent")) }

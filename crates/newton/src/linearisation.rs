@@ -21,7 +21,7 @@ pub struct Linearisation {
     pub displacement: Vec<[f64; 3]>,
     /// Source of the carried pressures.
     pub carried: Carried,
-    /// Carried traction of every contact point, MPa.
+    /// Carried traction of every contact point, MPa, and what else contributions keep ([`pneuflex_assembly::Mixed::stored`]).
     pub tractions: Vec<f64>,
 }
 

@@ -31,6 +31,12 @@ impl System {
         unilateral(&self.contributions).map(Unilateral::num_points).sum()
     }
 
+    /// Length of what the contributions keep of a tangent.
+    pub fn num_stored(&mut self) -> usize {
+        let mixed = self.contributions.iter_mut().filter_map(|contribution| contribution.mixed());
+        mixed.map(|mixed| mixed.stored().len()).sum()
+    }
+
     /// Traction that every contact point carries without penetration, MPa; empty for none.
     pub fn contact_multipliers(&self) -> Vec<f64> {
         unilateral(&self.contributions).flat_map(|contact| contact.multipliers().to_vec()).collect()

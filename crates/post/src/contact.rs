@@ -117,6 +117,7 @@ pub fn evaluate_at(
             *gap = Some(gap.map_or(found, |gap| gap.min(found)));
         }
     }
+    model.cut(&positions);
     let Touching { blocks, averages } = model.search(&positions);
     state.penalty_energy_mj += averages.iter().map(AverageGap::energy).sum::<f64>();
     for block in blocks {

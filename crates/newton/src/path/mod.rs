@@ -126,7 +126,8 @@ impl Path {
     /// [`ResumeError`] if the checkpoint does not fit the problem; the path is still at rest then.
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), ResumeError> {
         let Equilibrium { state, .. } = &self.equilibrium;
-        checkpoint.check(state.displacement.len(), self.system.num_contact_points(), state.bordered.len())?;
+        let of_contact = [self.system.num_contact_points(), self.system.num_stored()];
+        checkpoint.check(state.displacement.len(), of_contact, state.bordered.len())?;
         self.system.set_contact_multipliers(&checkpoint.contact_multipliers);
         if let Some(linearisation) = &checkpoint.linearisation {
             self.predictor = Some(self.system.restore(linearisation)?);
