@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_contact::{ContactBlock, ContactModel, Owner, Partner, Touching, evaluate_block, predicted_tractions};
+use pneuflex_contact::{ContactBlock, ContactModel, Partner, Touching, evaluate_block, predicted_tractions};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::load::Motion;
 use pneuflex_model::{LoadParameter, Problem};
@@ -21,17 +21,19 @@ pub struct ContactForces {
     positions: Vec<[f64; 3]>,
     /// and on the load path.
     parameter: LoadParameter,
-    /// Traction of every contact point in the tangent's geometric term, MPa; and where surfaces are cut along each other's edges, whether they
-    /// are to be with the next tangent (0 or 1), and at which displacement they were (mm, three per node).
+    /// Traction of every contact point in the tangent's geometric term, MPa; and where surfaces are cut along each other's edges, how
+    /// often they were in this solution, and at which displacement they were last (mm, three per node).
     stored: Vec<f64>,
-    /// Whether a tangent comes next.
-    is_linearised: bool,
     /// Mean distance of the nodes, mm.
     spacing: f64,
 }
 
-/// Surfaces that have moved by more than this share of the nodes' spacing are cut along each other's edges again.
+/// Surfaces that have moved by more than this share of the nodes' spacing are cut along each other's edges again,
 const CUT_AGAIN: f64 = 0.02;
+
+/// and a few times those that have moved by more than this one.
+const CUT_FINER: f64 = 1e-4;
+const MOST_FINE_CUTS: f64 = 4.0;
 
 impl ContactForces {
     /// The contact of a problem, at rest.
@@ -46,7 +48,6 @@ impl ContactForces {
             positions: Vec::new(),
             parameter: LoadParameter::default(),
             stored,
-            is_linearised: false,
             spacing: problem.mesh.mean_node_spacing(),
         }
     }
@@ -56,18 +57,18 @@ impl ContactForces {
         &self.stored[..self.model.num_points()]
     }
 
-    /// With a new tangent, surfaces that have moved since are cut along each other's edges once more; small corrections leave the cuts where they
-    /// are: Newton's method has a fixed energy before it then.
+    /// On the way to an equilibrium, surfaces that have moved since are cut along each other's edges again: as often as they have moved far,
+    /// and a few times after small corrections. From then on Newton's method has a fixed energy before it.
     fn cut_where_moved(&mut self, displacement: &[[f64; 3]]) {
         let points = self.model.num_points();
-        if !std::mem::take(&mut self.is_linearised) || self.stored.len() == points {
-            return;
-        }
-        let (flag, at) = self.stored[points..].split_at_mut(1);
-        let limit = CUT_AGAIN * self.spacing;
-        let has_moved = displacement.as_flattened().iter().zip(at.iter()).any(|(u, v)| (u - v).abs() > limit);
-        if flag[0] != 0.0 || has_moved {
-            flag[0] = 0.0;
+        let Some((cuts, at)) = self.stored[points..].split_first_mut() else { return };
+        let moved =
+            displacement.as_flattened().iter().zip(at.iter()).fold(0.0, |most: f64, (u, v)| most.max((u - v).abs()));
+        let is_small = moved <= CUT_AGAIN * self.spacing;
+        let is_due = *cuts == 0.0 || !is_small || (*cuts < MOST_FINE_CUTS && moved > CUT_FINER * self.spacing);
+        if is_due {
+            // The first one of a solution, and those after large corrections, leave all fine ones to come.
+            *cuts = if is_small { *cuts + 1.0 } else { 1.0 };
             at.copy_from_slice(displacement.as_flattened());
             self.model.cut(&self.positions);
         }
@@ -92,7 +93,9 @@ impl Contribution for ContactForces {
         self.parameter = position.parameter;
         self.model.set_parameter(position.parameter);
         self.positions = self.mesh.deformed(position.displacement);
-        self.cut_where_moved(position.displacement);
+        if position.is_on_the_way {
+            self.cut_where_moved(position.displacement);
+        }
         let kept = if position.is_on_the_way { self.model.kept_distances(self.carried()) } else { Vec::new() };
         self.touching = self.model.search_keeping(&self.positions, &kept);
         self.touching.carry(&self.model, &self.stored[..self.model.num_points()]);
@@ -129,20 +132,17 @@ impl Mixed for ContactForces {
                 }
             }
             for gap in &self.touching.averages {
-                self.stored[gap.number] = gap.predicted_traction(correction, &moved);
+                self.stored[gap.number] = gap.predicted_traction(correction);
             }
         } else {
             for (number, traction, _) in self.found_at(&prediction.displacement).tractions(&self.model) {
                 self.stored[number] = traction;
             }
-            if let Some(is_to_cut) = self.stored.get_mut(points) {
-                *is_to_cut = 1.0;
-            }
         }
-    }
-
-    fn linearise(&mut self) {
-        self.is_linearised = true;
+        // A solution begins.
+        if prediction.correction.is_none() || prediction.motion.is_some() {
+            self.stored[points..].iter_mut().take(1).for_each(|cuts| *cuts = 0.0);
+        }
     }
 
     fn stored(&self) -> &[f64] {
@@ -194,13 +194,6 @@ impl Unilateral for ContactForces {
                 for (row, of_row) in tangent.chunks_exact(size).enumerate() {
                     let change: f64 = of_row.iter().enumerate().map(|(j, k)| k * motion.displacement[j % 3]).sum();
                     column[block.nodes[row / 3] as usize][row % 3] -= change;
-                }
-            }
-            for gap in self.touching.averages.iter().filter(|gap| gap.owner == Owner::Obstacle(number)) {
-                let along = |gradient: &[f64; 3]| (0..3).map(|k| gradient[k] * motion.displacement[k]).sum::<f64>();
-                let change = gap.tangent_factor() * gap.gradient.iter().map(along).sum::<f64>();
-                for (&node, gradient) in gap.nodes.iter().zip(&gap.gradient) {
-                    (0..3).for_each(|k| column[node as usize][k] -= change * gradient[k]);
                 }
             }
             RigidMotion { curve: motion.curve.clone(), column }

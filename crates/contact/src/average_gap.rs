@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::averaging::{Averaging, Bounded};
-use crate::contact_block::{ContactBlock, Partner};
+use crate::contact_block::ContactBlock;
 use crate::model::ContactModel;
 use crate::narrow_phase::kept_at;
 use crate::potential::distance_gradient;
@@ -11,8 +11,6 @@ use crate::potential::distance_gradient;
 /// A corner of a slave surface whose gap is closed on the mean, see [`crate::averaging`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct AverageGap {
-    /// The surface pair or obstacle that it belongs to; the face of a pair is that of no one.
-    pub owner: Owner,
     /// Number of the corner among all points of the model, see [`ContactModel::num_points`].
     pub number: usize,
     /// Reference area W that it stands for, mm².
@@ -31,24 +29,6 @@ pub struct AverageGap {
     pub gradient: Vec<[f64; 3]>,
 }
 
-/// What a corner belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Owner {
-    /// A surface pair, see [`ContactModel::surface_pair`].
-    SurfacePair(usize),
-    /// The obstacle of this number.
-    Obstacle(usize),
-}
-
-impl Owner {
-    pub(crate) fn of(partner: Partner) -> Self {
-        match partner {
-            Partner::Face { surface_pair, .. } => Self::SurfacePair(surface_pair),
-            Partner::Obstacle(number) => Self::Obstacle(number),
-        }
-    }
-}
-
 impl AverageGap {
     /// ½ k W (g − λ/k)², mJ.
     pub fn energy(&self) -> f64 {
@@ -60,16 +40,11 @@ impl AverageGap {
         self.stiffness * self.weight
     }
 
-    /// What the linearised gap predicts for the traction, MPa: ⟨λ − k (g + ∇g·δu)⟩. `moved` is by how much the obstacles move, as in
-    /// [`crate::predicted_tractions`].
-    pub fn predicted_traction(&self, correction: &[[f64; 3]], moved: &[[f64; 3]]) -> f64 {
-        let partner = match self.owner {
-            Owner::Obstacle(number) => moved.get(number).copied().unwrap_or_default(),
-            Owner::SurfacePair(_) => [0.0; 3],
-        };
+    /// What the linearised gap predicts for the traction, MPa: ⟨λ − k (g + ∇g·δu)⟩.
+    pub fn predicted_traction(&self, correction: &[[f64; 3]]) -> f64 {
         let mut distance = self.distance - self.shift;
         for (&node, gradient) in self.nodes.iter().zip(&self.gradient) {
-            distance += (0..3).map(|k| gradient[k] * (correction[node as usize][k] - partner[k])).sum::<f64>();
+            distance += (0..3).map(|k| gradient[k] * correction[node as usize][k]).sum::<f64>();
         }
         (-self.stiffness * distance).max(0.0)
     }
@@ -92,7 +67,7 @@ pub fn close_gaps(
     positions: &[[f64; 3]],
     kept: &[f64],
 ) -> Vec<AverageGap> {
-    let mut sums: BTreeMap<usize, (Owner, usize, Sum)> = BTreeMap::new();
+    let mut sums: BTreeMap<usize, (usize, Sum)> = BTreeMap::new();
     for (block_number, block) in blocks.iter().enumerate() {
         let Some((averaging, first)) = model.averaging(block.partner) else { continue };
         for (point_number, point) in block.points.iter().enumerate() {
@@ -103,14 +78,14 @@ pub fn close_gaps(
                     continue;
                 }
                 let entry = sums.entry(first + corner);
-                let (_, _, sum) = entry.or_insert_with(|| (Owner::of(block.partner), corner, Sum::default()));
+                let (_, sum) = entry.or_insert_with(|| (corner, Sum::default()));
                 sum.nearness += share * point.area * (bound - phi.value);
                 sum.terms.push((block_number, point_number, share, phi));
             }
         }
     }
     let mut gaps = Vec::new();
-    for (number, (owner, corner, sum)) in sums {
+    for (number, (corner, sum)) in sums {
         let partner = blocks[sum.terms[0].0].partner;
         let Some((averaging, _)) = model.averaging(partner) else { continue };
         let (stiffness, weight) = (model.stiffness(partner), averaging.weight(corner));
@@ -133,7 +108,7 @@ pub fn close_gaps(
             }
         }
         let (nodes, gradient) = gradient.into_iter().unzip();
-        gaps.push(AverageGap { owner, number, weight, distance, shift, traction, stiffness, nodes, gradient });
+        gaps.push(AverageGap { number, weight, distance, shift, traction, stiffness, nodes, gradient });
     }
     blocks.retain_mut(|block| {
         if model.averaging(block.partner).is_some() {

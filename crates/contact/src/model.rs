@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pneuflex_mesh::{Mesh, shape};
 use pneuflex_model::load::Motion;
-use pneuflex_model::{Contact, ContactMethod, ContactPair, LoadParameter, Material, Obstacle, Problem};
+use pneuflex_model::{Contact, ContactPair, LoadParameter, Material, Obstacle, Problem};
 
 use crate::averaging::Averaging;
 use crate::contact_block::Partner;
@@ -50,16 +50,8 @@ pub(crate) struct Rigid {
     pub(crate) rule: Vec<([f64; 2], f64)>,
     pub(crate) areas: Vec<f64>,
     pub(crate) first_point: usize,
-    /// The corners around which gaps are averaged, if they are.
-    pub(crate) averaging: Option<Averaging>,
     /// How deep points may be at requested loads, mm; `None` for any depth.
     tolerance: Option<f64>,
-}
-
-impl Rigid {
-    fn num_points(&self) -> usize {
-        self.averaging.as_ref().map_or(self.areas.len(), Averaging::len)
-    }
 }
 
 impl ContactModel {
@@ -92,18 +84,16 @@ impl ContactModel {
         }
     }
 
-    /// The same with obstacles, at the places where they begin; `contact` says what those are like that do not say it themselves.
+    /// The same with obstacles, at the places where they begin; `contact` says how deep points may be where obstacles do not.
     pub fn with_obstacles(mut self, obstacles: &[Obstacle], contact: &Contact) -> Self {
         for obstacle in obstacles {
             let surface = Surface::new(&self.mesh, &obstacle.facets);
             let rule = surface.kind.contact_rule();
             let areas = point_areas(&surface, &rule, &self.mesh.nodes, 1.0);
             let (first_point, offset) = (self.num_points(), obstacle.offset(LoadParameter::default()));
-            let is_averaged = obstacle.method.unwrap_or(contact.method) == ContactMethod::Mortar;
-            let averaging = is_averaged.then(|| Averaging::of(&surface, &self.mesh.nodes, 1.0));
             let tolerance = obstacle.penetration_tolerance.or(contact.penetration_tolerance);
             let obstacle = obstacle.clone();
-            self.obstacles.push(Rigid { obstacle, surface, offset, rule, areas, first_point, averaging, tolerance });
+            self.obstacles.push(Rigid { obstacle, surface, offset, rule, areas, first_point, tolerance });
         }
         self
     }
@@ -129,7 +119,7 @@ impl ContactModel {
             keep(pair.first_point, pair.num_points(), pair.stiffness);
         }
         for rigid in &self.obstacles {
-            keep(rigid.first_point, rigid.num_points(), rigid.obstacle.stiffness);
+            keep(rigid.first_point, rigid.areas.len(), rigid.obstacle.stiffness);
         }
         kept
     }
@@ -225,7 +215,7 @@ impl ContactModel {
     /// Number of slave points of all surface pairs and obstacles; where gaps are averaged, corners are the points.
     pub fn num_points(&self) -> usize {
         match (self.obstacles.last(), self.surface_pairs.last()) {
-            (Some(rigid), _) => rigid.first_point + rigid.num_points(),
+            (Some(rigid), _) => rigid.first_point + rigid.areas.len(),
             (None, Some(surface_pair)) => surface_pair.first_point + surface_pair.num_points(),
             (None, None) => 0,
         }
@@ -246,10 +236,7 @@ impl ContactModel {
                 let SurfacePair { averaging, first_point, .. } = &self.surface_pairs[surface_pair];
                 averaging.as_ref().map(|averaging| (averaging, *first_point))
             }
-            Partner::Obstacle(number) => {
-                let Rigid { averaging, first_point, .. } = &self.obstacles[number];
-                averaging.as_ref().map(|averaging| (averaging, *first_point))
-            }
+            Partner::Obstacle(_) => None,
         }
     }
 
@@ -261,7 +248,7 @@ impl ContactModel {
     /// How deep every point may be at requested loads, mm; infinite where any depth will do.
     pub fn tolerances(&self) -> Vec<f64> {
         let of_pairs = self.surface_pairs.iter().map(|pair| (pair.num_points(), pair.tolerance));
-        let of_obstacles = self.obstacles.iter().map(|rigid| (rigid.num_points(), rigid.tolerance));
+        let of_obstacles = self.obstacles.iter().map(|rigid| (rigid.areas.len(), rigid.tolerance));
         let each = of_pairs.chain(of_obstacles);
         each.flat_map(|(count, tolerance)| std::iter::repeat_n(tolerance.unwrap_or(f64::INFINITY), count)).collect()
     }

@@ -18,9 +18,6 @@ use crate::touching::Touching;
 /// The traction that this invents, k times as much, is far below every tolerance.
 pub const TOUCHING: f64 = 1e-9;
 
-/// The tangent's pattern has room for averages over points near an obstacle, up to this multiple of the distance at which they are far.
-const NEAR_OBSTACLES: f64 = 5.0;
-
 /// Faces nearer than this share of the surfaces' reach are cut along each other's edges.
 const CUT_NEARER: f64 = 0.25;
 
@@ -40,7 +37,7 @@ impl ContactModel {
         let mut blocks = self.face_blocks(positions, kept, margin);
         blocks.par_extend(self.obstacles.par_iter().enumerate().flat_map_iter(|(number, rigid)| {
             (0..rigid.surface.num_faces())
-                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, kept), 1.0))
+                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, kept)))
         }));
         let averages = close_gaps(self, &mut blocks, positions, kept);
         Touching { blocks, averages }
@@ -64,13 +61,7 @@ impl ContactModel {
     /// A slave face belongs with a master face if one of its points, close enough to it, has its foot there.
     pub fn near_face_pairs(&self, positions: &[[f64; 3]]) -> Vec<Vec<u32>> {
         let margin = |pair: &SurfacePair| pair.averaging.as_ref().map_or(0.0, Averaging::farthest).max(pair.near);
-        let mut blocks = self.face_blocks(positions, &[], margin);
-        // The nodes of one face are coupled by its element already, those around a corner are not.
-        let averaged = self.obstacles.iter().enumerate().filter(|(_, rigid)| rigid.averaging.is_some());
-        blocks.extend(averaged.flat_map(|(number, rigid)| {
-            (0..rigid.surface.num_faces())
-                .filter_map(move |face| self.obstacle_block(number, rigid, face, (positions, &[]), NEAR_OBSTACLES))
-        }));
+        let blocks = self.face_blocks(positions, &[], margin);
         let mut groups = coupled_nodes(self, &blocks);
         groups.extend(blocks.into_iter().map(|block| block.nodes));
         groups
@@ -110,42 +101,37 @@ impl ContactModel {
         blocks.collect()
     }
 
-    /// Points of a face that touch an obstacle; where gaps are averaged, those nearer than `reach` times what is far for a corner.
     fn obstacle_block(
         &self,
         number: usize,
         rigid: &Rigid,
         face: usize,
         (positions, kept): (&[[f64; 3]], &[f64]),
-        reach: f64,
     ) -> Option<ContactBlock> {
-        let Rigid { obstacle, surface, offset, rule, areas, first_point, averaging, .. } = rigid;
+        let Rigid { obstacle, surface, offset, rule, areas, first_point, .. } = rigid;
         let kind = surface.kind;
         let n = kind.num_nodes();
         let nodes = &surface.face_positions(face, positions)[..n];
         let first = face * rule.len();
-        let margin = averaging.as_ref().map_or(self.touching, |averaging| reach * averaging.farthest());
-        let room = |number: usize, shift: f64| if averaging.is_some() { 0.0 } else { shift + kept_at(kept, number) };
+        let room = |number: usize, shift: f64| shift + kept_at(kept, number);
         let points = first_point + first..first_point + first + rule.len();
         let most_room = points.map(|i| room(i, self.shift(i, obstacle.stiffness))).fold(0.0, f64::max);
         // The distance changes by no more than the way one moves.
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
         let nearest = distance(&obstacle.shape, *offset, centre).value - (1.0 + kind.bulge) * radius;
-        if nearest > margin + most_room {
+        if nearest > self.touching + most_room {
             return None;
         }
         let touching = rule.iter().enumerate().filter_map(|(index, &(slave_xi, _))| {
             let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
             let distance = distance(&obstacle.shape, *offset, position).value;
-            let point = ContactPoint { slave_xi, area: areas[first + index], distance, ..ContactPoint::default() };
-            if averaging.is_some() {
-                return (distance < margin).then_some(point);
-            }
             let number = first_point + first + index;
-            let shift = self.shift(number, obstacle.stiffness);
-            let is_near = distance < margin + room(number, shift);
-            is_near.then(|| ContactPoint { shift, number, ..point }.with_penalty(obstacle.stiffness))
+            let (shift, area) = (self.shift(number, obstacle.stiffness), areas[first + index]);
+            (distance < self.touching + room(number, shift)).then(|| {
+                let point = ContactPoint { slave_xi, area, distance, shift, number, ..ContactPoint::default() };
+                point.with_penalty(obstacle.stiffness)
+            })
         });
         let points: Vec<_> = touching.collect();
         let partner = Partner::Obstacle(number);

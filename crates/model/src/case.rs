@@ -68,7 +68,7 @@ impl Case {
             [("contact.two_pass", self.contact.two_pass), ("contact.self_contact", self.contact.self_contact)]
         {
             if is_asked && is_single {
-                found.add(key, &true, "is for contact.method = \"multi-point\" only");
+                found.add(key, &true, "is not for contact.method = \"single-point\"");
             }
         }
         obstacle_table::check(&self.obstacles, &mut found);

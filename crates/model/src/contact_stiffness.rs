@@ -8,7 +8,10 @@ use crate::options::Contact;
 use crate::range_check::Quantity;
 
 /// Faces of bodies of any shape: this many times the shear modulus over the faces' size.
-const OF_FACES: f64 = 10.0;
+const OF_FACES: f64 = 100.0;
+
+/// How deep what touches may be at the requested loads of a model file, as a share of the faces' size.
+const DEPTH: f64 = 0.005;
 
 impl Contact {
     /// The default contact of an actuator, in a case file and in a model file.
@@ -34,14 +37,25 @@ pub(crate) fn of_actuator(shear_modulus: f64, actuator: &Actuator) -> f64 {
 /// Penalty stiffness of faces of any body, N/mm³, by the size of its faces: the mean length of their edges, weighted by their areas, so that
 /// it is the same for a half and the whole. `None` for faces without area or stiffness.
 pub(crate) fn of_faces(shear_modulus: f64, mesh: &Mesh, facets: &[Facet]) -> Option<f64> {
+    let stiffness = rounded(OF_FACES * shear_modulus / mean_size(mesh, facets));
+    (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness)
+}
+
+/// How deep faces of any body may be in what they touch, mm. `None` for faces without area.
+pub(crate) fn tolerance_of_faces(mesh: &Mesh, facets: &[Facet]) -> Option<f64> {
+    let tolerance = rounded(DEPTH * mean_size(mesh, facets));
+    (tolerance > 0.0 && tolerance.is_finite()).then_some(tolerance)
+}
+
+/// Mean length of faces' edges, weighted by the faces' areas, mm.
+fn mean_size(mesh: &Mesh, facets: &[Facet]) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for &facet in facets {
         let weight: f64 = mesh.face_weights(facet).iter().map(|(_, weight)| weight).sum();
         sum += weight * mean_edge(mesh, facet);
         area += weight;
     }
-    let stiffness = rounded(OF_FACES * shear_modulus * area / sum);
-    (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness)
+    sum / area
 }
 
 /// Mean distance of the corners of a face from the next ones, mm.
@@ -76,7 +90,7 @@ mod tests {
         };
         assert_eq!(of(Part::Half), of(Part::Whole));
         let mesh = build_actuator(&Actuator::two_chambers(), &MeshSize::uniform(1.0), ElementKind::Hex20).unwrap();
-        assert_eq!(of_faces(0.5, &mesh, mesh.facet_set("bottom")), Some(5.0));
+        assert_eq!(of_faces(0.5, &mesh, mesh.facet_set("bottom")), Some(50.0));
         assert_eq!((of_faces(0.5, &mesh, &[]), of_faces(0.0, &mesh, mesh.facet_set("bottom"))), (None, None));
     }
 }

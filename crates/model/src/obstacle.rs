@@ -3,7 +3,6 @@
 use pneuflex_mesh::Facet;
 
 use crate::load::Motion;
-use crate::options::ContactMethod;
 use crate::quantity::LoadParameter;
 
 /// A rigid body without friction that some faces must not enter.
@@ -21,8 +20,6 @@ pub struct Obstacle {
     pub motion: Option<Motion>,
     /// Whether results hold the force on it.
     pub report_force: bool,
-    /// Whether gaps are averaged ([`ContactMethod::Mortar`]) or are those of points; `None` for the problem's contact.
-    pub method: Option<ContactMethod>,
     /// Largest depth at requested loads, mm; `None` for that of the problem's contact.
     pub penetration_tolerance: Option<f64>,
 }
@@ -116,7 +113,6 @@ mod tests {
             stiffness: 4.0,
             motion: Some(motion),
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         };
         assert_eq!(obstacle.offset(LoadParameter(5.0)), [0.0, 1.0, -2.0]);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
-use crate::options::{ContactMethod, check_names};
+use crate::options::check_names;
 use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
@@ -53,11 +53,8 @@ pub struct ObstacleTable {
     /// Factor by time; a straight line from 0 to 1 if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Series>,
-    /// Whether gaps are averaged around the corners of faces (`mortar`) or are those of points (`multi-point`); as the file's contact if it is
-    /// left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub method: Option<ContactMethod>,
-    /// Largest depth at the requested loads, mm; as the file's contact if it is left out.
+    /// Largest depth of a contact point at the requested loads, mm; in a model file a share of the faces' size if it is left out, in a case file
+    /// as for the walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penetration_tolerance: Option<f64>,
     /// Whether the force on it is in the results; it is if this is left out.
@@ -122,9 +119,8 @@ impl ObstacleTable {
     pub fn obstacle(&self, facets: Vec<Facet>, stiffness: f64, motion: Option<Motion>) -> Option<Obstacle> {
         let stiffness = self.stiffness.unwrap_or(stiffness);
         let report_force = self.report_force.unwrap_or(true);
-        let (method, penetration_tolerance) = (self.method, self.penetration_tolerance);
-        let (name, shape) = (self.name.clone(), self.shape()?);
-        Some(Obstacle { name, shape, facets, stiffness, motion, report_force, method, penetration_tolerance })
+        let (name, shape, penetration_tolerance) = (self.name.clone(), self.shape()?, self.penetration_tolerance);
+        Some(Obstacle { name, shape, facets, stiffness, motion, report_force, penetration_tolerance })
     }
 }
 
@@ -175,9 +171,11 @@ fn check_values(i: usize, table: &ObstacleTable, found: &mut Problems) {
             found.add(&key(name), &value, "must be three finite numbers that are not all 0");
         }
     }
-    for (name, value, quantity) in
-        [("radius", table.radius, Quantity::Length), ("stiffness", table.stiffness, Quantity::Stiffness)]
-    {
+    for (name, value, quantity) in [
+        ("radius", table.radius, Quantity::Length),
+        ("stiffness", table.stiffness, Quantity::Stiffness),
+        ("penetration_tolerance", table.penetration_tolerance, Quantity::Tolerance),
+    ] {
         if let Some(value) = value {
             found.unless_positive(&key(name), value, quantity);
         }
@@ -218,7 +216,6 @@ mod tests {
             stiffness: None,
             displacement: None,
             factor: None,
-            method: None,
             penetration_tolerance: None,
             report_force: None,
         };

@@ -144,7 +144,6 @@ mod tests {
                     stiffness: 1.0,
                     motion: None,
                     report_force: true,
-                    method: None,
                     penetration_tolerance: None,
                 };
                 assert_eq!(symmetry.is_symmetry_of(&obstacle), expected, "{obstacle:?}");

@@ -303,7 +303,6 @@ mod tests {
                 stiffness: 1.0,
                 motion,
                 report_force: true,
-                method: None,
                 penetration_tolerance: None,
             };
             verdict(&Problem { obstacles: vec![obstacle], ..half.clone() })

@@ -117,6 +117,9 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
             let is_obstacle = deepest(worst) > worst.contact.max_penetration_mm;
             let advice = match subject.contact.map(|contact| (contact.method, contact.stiffness)) {
                 _ if is_obstacle => "raise obstacle.stiffness".into(),
+                _ if has_averaged_gaps(subject.problem) => {
+                    "gaps are closed on the mean around the corners of faces (mortar): make the elements smaller where they touch".into()
+                }
                 None => "raise the stiffness of the contact".into(),
                 Some((ContactMethod::None, _)) => "contact is switched off: set contact.method to multi-point".into(),
                 Some((ContactMethod::SinglePoint, _)) => {
@@ -160,6 +163,12 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
         add(WarningKind::Units, Some(last), message, advice);
     }
     found
+}
+
+/// Whether gaps between surfaces are averaged anywhere: what is left of their depth within a face does not follow the stiffness then.
+fn has_averaged_gaps(problem: &Problem) -> bool {
+    let mut methods = problem.contact_pairs.iter().map(|pair| pair.method.unwrap_or(problem.contact.method));
+    methods.any(|method| method == ContactMethod::Mortar)
 }
 
 /// Largest depth of what touches at a state, mm.

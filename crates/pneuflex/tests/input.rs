@@ -128,6 +128,12 @@ fn nothing_hides_another_of_its_name() {
         "contact[0].slave",
         "already",
     );
+    for (key, value, allowed) in
+        [("method", "\"none\"", "mortar or multi-point"), ("penetration_tolerance", "0.0", "greater than 0")]
+    {
+        let table = format!("[[contact]]\nslave = \"cavity\"\nmaster = \"cavity\"\n{key} = {value}\n");
+        assert_refused(&model(&table), &format!("contact[0].{key}"), allowed);
+    }
     let mut body = block();
     body.pressure("top", 1.0).probe("p", [0.0; 3]).probe("p", [2.0; 3]);
     assert_body_refused(&body, "probe[1].name", "different");

@@ -268,7 +268,6 @@ mod tests {
             stiffness: 4.0,
             motion,
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         };
         let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };

@@ -149,7 +149,6 @@ mod tests {
             stiffness: 4.0,
             motion: None,
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         };
         problem.obstacles.push(table.clone());

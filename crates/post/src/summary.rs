@@ -384,7 +384,6 @@ mod tests {
             stiffness: 4.0,
             motion: None,
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         };
         let beside = Shape::Sphere { centre: [9.0, 5.0, -1.0], radius: 1.2, is_hollow: false };

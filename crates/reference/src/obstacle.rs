@@ -1,7 +1,7 @@
 //! Rigid obstacles: the energy ½ k ∫⟨−φ⟩² dA₀ with the signed distance φ of the deformed points, negative inside (theory §5.6).
 
 use nalgebra::{DMatrix, DVector};
-use pneuflex_model::{ContactMethod, LoadParameter, Motion, Obstacle, Problem, Shape};
+use pneuflex_model::{LoadParameter, Motion, Obstacle, Problem, Shape};
 
 use crate::closest_point::penalty;
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot};
@@ -76,14 +76,10 @@ impl ObstacleModel {
     /// An element family without a formulation, or contact that is not modelled ([`Unmodelled`]).
     pub fn new(problem: &Problem, obstacle: &Obstacle) -> Result<Self, ReferenceError> {
         // Whether its force is reported changes nothing.
-        let Obstacle { name, shape, facets, stiffness, motion, report_force: _, method, penetration_tolerance } =
-            obstacle;
-        let refused = |part| Err(ReferenceError::NotModelled { part, name: name.clone() });
-        if method.unwrap_or(problem.contact.method) == ContactMethod::Mortar {
-            return refused(Unmodelled::Mortar);
-        }
+        let Obstacle { name, shape, facets, stiffness, motion, report_force: _, penetration_tolerance } = obstacle;
         if penetration_tolerance.is_some() {
-            return refused(Unmodelled::PenetrationTolerance);
+            let (part, name) = (Unmodelled::PenetrationTolerance, name.clone());
+            return Err(ReferenceError::NotModelled { part, name });
         }
         let mesh = &problem.mesh;
         let kind = mesh.surface_kind(facets);
@@ -201,7 +197,6 @@ mod tests {
                     stiffness: 4.0,
                     motion: Some(motion),
                     report_force: false,
-                    method: None,
                     penetration_tolerance: None,
                 };
                 let (model, t) = (ObstacleModel::new(&problem, &obstacle).unwrap(), LoadParameter(2.0));

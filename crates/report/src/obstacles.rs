@@ -177,7 +177,6 @@ mod tests {
             stiffness: 1.0,
             motion,
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         }
     }

@@ -300,7 +300,6 @@ mod tests {
             stiffness: 1.0,
             motion: None,
             report_force: true,
-            method: None,
             penetration_tolerance: None,
         };
         problem.obstacles.push(ball);

@@ -14,6 +14,7 @@
 //! * [`manufactured`]: a chosen displacement field and the body force it needs.
 //! * [`contact_patch`]: two blocks with faces that do not match.
 //! * [`hertz`]: a sphere on a block.
+//! * [`crushed`]: a cylinder crushed between plates, and by a block.
 //!
 //! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
 //! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`).
@@ -25,6 +26,7 @@ pub mod balloon;
 pub mod bending;
 pub mod body;
 pub mod contact_patch;
+pub mod crushed;
 pub mod hertz;
 pub mod homogeneous;
 pub mod known_cases;
@@ -75,7 +77,7 @@ pub struct Section {
 /// A problem, before it is solved.
 type Problem = (&'static str, &'static str, fn(Effort) -> Vec<Row>);
 
-const PROBLEMS: [Problem; 9] = [
+const PROBLEMS: [Problem; 10] = [
     ("Homogeneous states", homogeneous::TEXT, homogeneous::rows),
     ("Thick tube", tube::TEXT, tube::rows),
     ("Torsion of a cylinder", torsion::TEXT, torsion::rows),
@@ -85,6 +87,7 @@ const PROBLEMS: [Problem; 9] = [
     ("Manufactured solutions", manufactured::TEXT, manufactured::rows),
     ("Contact patch test", contact_patch::TEXT, contact_patch::rows),
     ("Hertzian contact", hertz::TEXT, hertz::rows),
+    ("Crushed cylinder", crushed::TEXT, crushed::rows),
 ];
 
 /// Solves all problems, some at the same time, telling `observe` about the rows of each when it is solved.

@@ -147,7 +147,6 @@ fn touching_cubes(formulation: Formulation, method: ContactMethod) -> (Problem, 
         stiffness: 20.0,
         motion: None,
         report_force: false,
-        method: None,
         penetration_tolerance: None,
     }];
     (problem, u)

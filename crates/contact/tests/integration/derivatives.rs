@@ -93,6 +93,25 @@ fn near_pairs_cover_every_touching_pair() {
     assert!(model.search(&mesh.nodes).blocks.is_empty(), "nothing touches at rest");
 }
 
+/// Corners couple the nodes of all faces that their averages are over.
+#[test]
+fn near_nodes_cover_every_average() {
+    for kind in ElementKind::ALL {
+        let (mesh, pairs, positions) = touching(kind);
+        let contact = Contact { method: ContactMethod::Mortar, ..Contact::default() };
+        let mut model = ContactModel::new(mesh.clone(), &pairs, &contact);
+        model.cut(&positions);
+        let near = model.near_face_pairs(&positions);
+        let averages = model.search(&positions).averages;
+        assert!(averages.len() > 3, "{kind:?}");
+        for gap in averages {
+            let is_within = |group: &Vec<u32>| gap.nodes.iter().all(|node| group.contains(node));
+            assert!(near.iter().any(is_within), "{kind:?}: corner {}", gap.number);
+        }
+        assert!(model.search(&mesh.nodes).averages.is_empty(), "nothing touches at rest");
+    }
+}
+
 /// Brute force: the closest foot over all faces, without boxes or order.
 #[test]
 fn the_search_finds_the_same_points_as_brute_force() {

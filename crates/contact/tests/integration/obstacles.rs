@@ -23,7 +23,6 @@ fn obstacle(mesh: &Mesh, shape: Shape) -> Obstacle {
         stiffness: 3.0,
         motion: None,
         report_force: true,
-        method: None,
         penetration_tolerance: None,
     }
 }

@@ -60,6 +60,18 @@ fn check_derivatives(model: &ContactModel, positions: &[[f64; 3]], what: &str) {
 }
 
 #[test]
+fn averaged_gaps_of_a_slit_have_the_derivatives_of_their_energy() {
+    for kind in [ElementKind::Hex8, ElementKind::Tet10] {
+        let (mesh, contact) = (slit(kind), Contact { method: ContactMethod::Mortar, ..Contact::default() });
+        let mut itself = ContactModel::new(mesh.clone(), &[self_pair(&mesh)], &contact);
+        assert!(itself.search(&mesh.nodes).averages.is_empty(), "nothing touches at rest");
+        let positions = closed(&mesh);
+        itself.cut(&positions);
+        check_derivatives(&itself, &positions, &format!("{kind:?}"));
+    }
+}
+
+#[test]
 fn a_closing_slit_touches_itself_as_its_two_sides_do_in_turn() {
     for kind in ElementKind::ALL {
         let mesh = slit(kind);

@@ -7,6 +7,7 @@ use pneuflex_mesh::{Actuator, Facet, Mesh};
 use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
 use crate::contact_stiffness;
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
+use crate::obstacle::Obstacle;
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{Contact, ContactMethod, Solver};
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
@@ -400,12 +401,15 @@ impl Build<'_> {
             self.complain(&format!("contact[{number}].slave"), format!("{:?}", table.slave), allowed.into());
         }
         if self.problem.contact.method == ContactMethod::None {
-            self.problem.contact = Contact { stiffness, ..Contact::default() };
+            self.problem.contact = Contact { stiffness, method: ContactMethod::Mortar, ..Contact::default() };
         }
+        let penetration_tolerance = table.penetration_tolerance.or_else(|| self.tolerance(table.stiffness, &slave));
         let name = format!("{}-{}", table.slave, table.master);
         let pair = ContactPair::new(name, slave, master);
         self.problem.contact_pairs.push(ContactPair {
+            method: table.method.or(self.actuator.is_none().then_some(ContactMethod::Mortar)),
             stiffness: Some(stiffness),
+            penetration_tolerance,
             is_two_pass: table.two_pass,
             ..pair
         });
@@ -418,8 +422,17 @@ impl Build<'_> {
         let is_known = self.problem.obstacles.iter().any(|obstacle| obstacle.name == table.name);
         self.unless_new(&format!("obstacle[{number}].name"), &table.name, is_known);
         let stiffness = self.stiffness(&facets);
+        let tolerance = table.penetration_tolerance.or_else(|| self.tolerance(table.stiffness, &facets));
         // The ranges of the file ask for all that a shape needs.
-        self.problem.obstacles.extend(table.obstacle(facets, stiffness, motion));
+        let obstacle = table.obstacle(facets, stiffness, motion);
+        self.problem.obstacles.extend(obstacle.map(|found| Obstacle { penetration_tolerance: tolerance, ..found }));
+    }
+
+    /// How deep faces may be in what they touch at the requested times where the file does not say it, mm: as deep as a given stiffness lets
+    /// them, and in own actuators that of the paper's cases.
+    fn tolerance(&self, given: Option<f64>, facets: &[Facet]) -> Option<f64> {
+        let is_free = given.is_none() && self.actuator.is_none();
+        is_free.then(|| contact_stiffness::tolerance_of_faces(&self.problem.mesh, facets)).flatten()
     }
 
     /// Penalty stiffness of faces that are given none, N/mm³.

@@ -2,7 +2,7 @@
 
 use super::tables::Model;
 use crate::obstacle_table;
-use crate::options::{check_names, check_probes};
+use crate::options::{ContactMethod, check_names, check_probes};
 use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
@@ -104,6 +104,12 @@ impl Model {
         for (i, contact) in self.contacts.iter().enumerate() {
             if let Some(stiffness) = contact.stiffness {
                 found.unless_positive(&format!("contact[{i}].stiffness"), stiffness, Quantity::Stiffness);
+            }
+            if let Some(tolerance) = contact.penetration_tolerance {
+                found.unless_positive(&format!("contact[{i}].penetration_tolerance"), tolerance, Quantity::Tolerance);
+            }
+            if let Some(method @ (ContactMethod::None | ContactMethod::SinglePoint)) = contact.method {
+                found.add(&format!("contact[{i}].method"), &method, "must be mortar or multi-point");
             }
         }
     }

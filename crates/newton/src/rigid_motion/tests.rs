@@ -127,7 +127,6 @@ fn contact_may_hold_what_supports_do_not() {
         stiffness: 1.0,
         motion: None,
         report_force: true,
-        method: None,
         penetration_tolerance: None,
     });
     assert_eq!(by_contact(&body), [true, true]);

@@ -192,7 +192,6 @@ fn obstacles() {
                 stiffness: 6.0,
                 motion,
                 report_force: false,
-                method: None,
                 penetration_tolerance: None,
             }];
             let (solver, expected, found) = check(&name, &problem, &[0.5, 1.0], 0.02);

@@ -48,7 +48,6 @@ fn arch(formulation: Formulation, shape: Shape, stiffness: f64, mover: Mover) ->
         stiffness,
         motion: of_obstacle,
         report_force: true,
-        method: None,
         penetration_tolerance: None,
     }];
     problem.clock = Clock::Steps;

@@ -37,7 +37,6 @@ fn pressed_block(formulation: Formulation) -> Problem {
         stiffness: STIFFNESS,
         motion: Some(motion),
         report_force: true,
-        method: None,
         penetration_tolerance: None,
     }];
     problem.clock = Clock::Steps;

@@ -40,14 +40,26 @@ fn follow_from(problem: &Problem, checkpoint: Option<Checkpoint>) -> (Vec<Checkp
 
 #[test]
 fn every_checkpoint_leads_to_the_same_end() {
-    let problem = problem();
-    let (checkpoints, expected) = follow_from(&problem, None);
+    check_every_checkpoint(&problem());
+}
+
+/// Where surfaces are cut along each other's edges is found again, too, and so are the multipliers of their averaged gaps.
+#[test]
+fn every_checkpoint_of_mortar_contact_leads_to_the_same_end() {
+    let mut problem = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::Mortar);
+    problem.contact.penetration_tolerance = Some(5e-3);
+    check_every_checkpoint(&problem);
+}
+
+#[track_caller]
+fn check_every_checkpoint(problem: &Problem) {
+    let (checkpoints, expected) = follow_from(problem, None);
     let between = checkpoints.iter().filter(|c| !PRESSURES_KPA.contains(&c.parameter.0)).count();
     assert!(between > 3 && expected.last().unwrap().contact_points > 0);
     assert!(checkpoints.iter().any(|c| c.linearisation.is_some()));
     for checkpoint in checkpoints {
         let at = checkpoint.parameter.0;
-        let (_, reached) = follow_from(&problem, Some(checkpoint));
+        let (_, reached) = follow_from(problem, Some(checkpoint));
         let expected = &expected[expected.len() - reached.len()..];
         for (found, expected) in reached.iter().zip(expected) {
             let u = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());

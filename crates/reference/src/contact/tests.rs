@@ -119,7 +119,16 @@ fn self_contact_is_refused() {
 }
 
 #[test]
+fn averaged_gaps_are_refused() {
+    let expected = (Unmodelled::Mortar, "gap".to_owned());
+    assert_eq!(refused(|problem| problem.contact.method = ContactMethod::Mortar), expected);
+    assert_eq!(refused(|problem| problem.contact_pairs[0].method = Some(ContactMethod::Mortar)), expected);
+}
+
+#[test]
 fn contact_without_penetration_is_refused() {
     let expected = (Unmodelled::PenetrationTolerance, "contact.penetration_tolerance".to_owned());
     assert_eq!(refused(|problem| problem.contact.penetration_tolerance = Some(1e-3)), expected);
+    let expected = (Unmodelled::PenetrationTolerance, "gap".to_owned());
+    assert_eq!(refused(|problem| problem.contact_pairs[0].penetration_tolerance = Some(1e-3)), expected);
 }

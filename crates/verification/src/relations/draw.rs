@@ -249,8 +249,7 @@ fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>)
         size: is(&[ShapeName::Cuboid]).then_some([radius, 2.0 * radius, 2.0 * radius]),
         edge_radius: is(&[ShapeName::Cuboid]).then_some(0.2 * radius),
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
-        method: None,
-        penetration_tolerance: None,
+        penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         displacement: None,
         factor: None,
         report_force: dice.maybe(0.2, |dice| dice.chance(0.7)),
@@ -288,8 +287,13 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
     let actuator = actuator(dice);
     let material = material(dice);
     let last = 1e3 * material.shear_modulus() * dice.between(0.005, 0.03);
-    let method = dice.one_of(&[ContactMethod::MultiPoint, ContactMethod::SinglePoint, ContactMethod::None]);
-    let is_multi_point = method == ContactMethod::MultiPoint;
+    let method = dice.one_of(&[
+        ContactMethod::MultiPoint,
+        ContactMethod::Mortar,
+        ContactMethod::SinglePoint,
+        ContactMethod::None,
+    ]);
+    let is_multi_point = matches!(method, ContactMethod::MultiPoint | ContactMethod::Mortar);
     let stiffness = match dice.chance(0.5) {
         true => Contact::of_actuator(&material, &actuator).stiffness,
         false => dice.between(1.0, 5.0),
@@ -574,9 +578,9 @@ fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {
     ContactTable {
         slave: slave.into(),
         master: master.into(),
-        method: None,
+        method: dice.maybe(0.6, |dice| dice.one_of(&[ContactMethod::MultiPoint, ContactMethod::Mortar])),
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
-        penetration_tolerance: None,
+        penetration_tolerance: dice.maybe(0.2, |_| 0.01),
         two_pass: dice.chance(0.3),
     }
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use pneuflex::model::model_file::{
     ContactTable, EquationTable, ForceTable, Model, PressureTable, RegionTable, Series, Steps, SupportTable,
 };
-use pneuflex::model::{Law, Material};
+use pneuflex::model::{ContactMethod, Law, Material};
 
 use super::draw::Body;
 use super::form::{deck_of_mesh, is_default, rows};
@@ -61,7 +61,9 @@ fn in_words_of_decks(model: &Model) -> Option<Model> {
         gravity: model.gravity.clone(),
         contacts: (model.contacts.iter())
             .map(|table| ContactTable {
+                method: Some(ContactMethod::MultiPoint),
                 stiffness: table.stiffness.or(Some(STIFFNESS)),
+                penetration_tolerance: None,
                 two_pass: false,
                 ..table.clone()
             })
