@@ -1,11 +1,12 @@
 //! What can go wrong, and how it is shown: with the source line on a terminal, as one plain line elsewhere.
 
 use std::fmt;
-use std::io::{self, IsTerminal, Write};
 
 use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
 use pneuflex::input_error::{InputErrorKind, Origin};
 use pneuflex::{Error, InputError, ResultsError};
+
+use crate::terminal::{columns_of_errors, say, say_as_it_is};
 
 /// An error of the program.
 #[derive(Debug)]
@@ -70,14 +71,17 @@ impl CliError {
 /// Prints bad input on standard error: with colours on a terminal, as plain lines elsewhere.
 fn print(error: &InputError) {
     let mut text = String::new();
-    if io::stderr().is_terminal() && GraphicalReportHandler::new().render_report(&mut text, &Shown::of(error)).is_ok() {
-        return say(&text);
+    if let Some(width) = columns_of_errors() {
+        let handler = GraphicalReportHandler::new().with_width(width).with_break_words(false);
+        if handler.render_report(&mut text, &Shown::of(error)).is_ok() {
+            return say_as_it_is(&text);
+        }
     }
     match error.place() {
         Some(place) if place.origin() == Origin::Change => say(&format!("error: --set {}: {error}", place.name())),
         Some(place) => {
             say(&format!("error: {}:{}:{}: {error}", place.name(), place.line(), place.column()));
-            say(&place.excerpt());
+            say_as_it_is(&place.excerpt());
         }
         None => say(&format!("error: {error}")),
     }
@@ -141,9 +145,4 @@ impl Diagnostic for Shown<'_> {
         let place = self.error.place()?;
         Some(Box::new(std::iter::once(LabeledSpan::underline(place.span()))))
     }
-}
-
-/// Prints a line on standard error; nobody listening there is no reason to stop.
-pub fn say(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
 }
