@@ -210,12 +210,18 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         supports.push(support("symmetry", "y", true));
     }
     let gaps = actuator.actuator.as_ref()?.chambers.saturating_sub(1);
+    // A table of a gap says of it what there is to say.
     let gap = |i: usize| ContactTable {
         slave: format!("gap_{i}_left"),
         master: format!("gap_{i}_right"),
         stiffness: Some(problem.contact.stiffness),
         two_pass: false,
     };
+    let is_said = |gap: &ContactTable| actuator.contacts.iter().any(|said| said.slave == gap.slave);
+    let contacts = actuator.contacts.iter().cloned().map(|mut table| {
+        table.stiffness = table.stiffness.or(Some(problem.contact.stiffness));
+        table
+    });
     let mut obstacles = actuator.obstacles.clone();
     for (table, solved) in obstacles.iter_mut().zip(&problem.obstacles) {
         table.stiffness = Some(solved.stiffness);
@@ -227,7 +233,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         mesh: MeshOptions::default(),
         material: Some(problem.material.clone()),
         supports: supports.into_iter().chain(actuator.supports.clone()).collect(),
-        contacts: (1..=gaps).map(gap).chain(actuator.contacts.clone()).collect(),
+        contacts: (1..=gaps).map(gap).filter(|gap| !is_said(gap)).chain(contacts).collect(),
         obstacles,
         ..(**actuator).clone()
     };
