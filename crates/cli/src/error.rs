@@ -1,11 +1,10 @@
 //! What can go wrong, and how it is shown.
 
-use std::io::{self, Write};
-
-use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
 use pneuflex::input_error::{InputErrorKind, Origin};
 use pneuflex::{Error, InputError, ResultsError};
+
+use crate::terminal::{say, say_as_it_is};
 
 /// An error of the program.
 #[derive(Debug)]
@@ -73,7 +72,7 @@ fn print(error: &InputError) {
         Some(place) if place.origin() == Origin::Change => complain(&format!("--set {}: {error}", place.name())),
         Some(place) => {
             complain(&format!("{}:{}:{}: {error}", place.name(), place.line(), place.column()));
-            say(&place.excerpt());
+            say_as_it_is(&place.excerpt());
         }
         None => complain(&error.to_string()),
     }
@@ -101,9 +100,4 @@ fn help(error: &InputError) -> Option<&str> {
 fn complain(message: &str) {
     let style = Style::new().bold().fg_color(Some(AnsiColor::Red.into()));
     say(&format!("{style}error{style:#}: {message}"));
-}
-
-/// Prints a line on standard error, without its colours where that is no terminal; nobody listening there is no reason to stop.
-pub fn say(text: &str) {
-    let _ = writeln!(AutoStream::auto(io::stderr()), "{text}");
 }
