@@ -25,8 +25,9 @@ tasks:
             [--quick] [--docs] [--only PART OF A NAME]
   bench     time and memory of whole cases by the real program, as a table; beside CalculiX if it is installed
             [--quick] [--full] [--chambers LIST] [--resolutions LIST] [--out FILE.json]
-  cases     small inputs that were once answered wrongly: each must have its right value
-  corpus    random designs by the real program: how many converge or end for a physical reason; fails below 98 %
+  cases     small inputs that were once answered wrongly: each must have its right value; advice is tried: it must help
+  corpus    random designs, or with `--contact` random obstacles, by the real program: how many converge or end for a
+            physical reason; fails below 98 %
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
             [--draws N] [--seed S] [--docs]

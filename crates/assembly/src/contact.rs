@@ -168,7 +168,10 @@ impl Unilateral for ContactForces {
     }
 
     fn near_nodes(&self) -> Vec<Vec<u32>> {
-        self.model.near_face_pairs(&self.positions)
+        // Points that are kept in contact may be further away than what is near.
+        let Touching { blocks, averages } = &self.touching;
+        let touching = blocks.iter().map(|block| &block.nodes).chain(averages.iter().map(|gap| &gap.nodes)).cloned();
+        self.model.near_face_pairs(&self.positions).into_iter().chain(touching).collect()
     }
 
     fn deepest_penetration(&mut self, position: Position<'_>) -> f64 {

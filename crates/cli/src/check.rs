@@ -1,11 +1,10 @@
 //! `pneuflex check`: what would be solved, without solving it.
 
-use std::io::{self, Write as _};
-
 use pneuflex::Study;
 
 use crate::args::CaseArguments;
-use crate::error::{CliError, say};
+use crate::error::CliError;
+use crate::terminal::{print_rows, say};
 
 /// Checks a case and prints what would be solved.
 ///
@@ -19,7 +18,6 @@ pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
     for warning in analysis.warnings(&[]) {
         say(&warning.to_string());
     }
-    // Nobody reading on is no error.
-    let _ = io::stdout().write_all(analysis.overview().to_string().as_bytes());
+    print_rows(&analysis.overview().to_string());
     Ok(())
 }

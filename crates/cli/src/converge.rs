@@ -13,9 +13,10 @@ use pneuflex::words::thousands;
 use pneuflex::{CaseFile, Estimate, OutputFolder, json};
 
 use crate::args::ConvergeArguments;
-use crate::error::{CliError, say};
+use crate::error::CliError;
 use crate::outcome::Outcome;
 use crate::progress::duration;
+use crate::terminal::say;
 
 /// Solves a case on several meshes and reports values with error bars.
 ///

@@ -1,11 +1,10 @@
-//! What can go wrong, and how it is shown: with the source line on a terminal, as one plain line elsewhere.
+//! What can go wrong, and how it is shown.
 
-use std::fmt;
-use std::io::{self, IsTerminal, Write};
-
-use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
+use anstyle::{AnsiColor, Style};
 use pneuflex::input_error::{InputErrorKind, Origin};
 use pneuflex::{Error, InputError, ResultsError};
+
+use crate::terminal::{say, say_as_it_is};
 
 /// An error of the program.
 #[derive(Debug)]
@@ -62,27 +61,24 @@ impl CliError {
     pub fn print(&self) {
         match self {
             Self::Input(errors) => errors.iter().for_each(print),
-            Self::Output(message) | Self::NotConverged(message) => say(&format!("error: {message}")),
+            Self::Output(message) | Self::NotConverged(message) => complain(message),
         }
     }
 }
 
-/// Prints bad input on standard error: with colours on a terminal, as plain lines elsewhere.
+/// Prints bad input on standard error, with the line that is meant.
 fn print(error: &InputError) {
-    let mut text = String::new();
-    if io::stderr().is_terminal() && GraphicalReportHandler::new().render_report(&mut text, &Shown::of(error)).is_ok() {
-        return say(&text);
-    }
     match error.place() {
-        Some(place) if place.origin() == Origin::Change => say(&format!("error: --set {}: {error}", place.name())),
+        Some(place) if place.origin() == Origin::Change => complain(&format!("--set {}: {error}", place.name())),
         Some(place) => {
-            say(&format!("error: {}:{}:{}: {error}", place.name(), place.line(), place.column()));
-            say(&place.excerpt());
+            complain(&format!("{}:{}:{}: {error}", place.name(), place.line(), place.column()));
+            say_as_it_is(&place.excerpt());
         }
-        None => say(&format!("error: {error}")),
+        None => complain(&error.to_string()),
     }
     if let Some(help) = help(error) {
-        say(&format!("  help: {help}"));
+        let style = AnsiColor::Cyan.on_default();
+        say(&format!("  {style}help{style:#}: {help}"));
     }
 }
 
@@ -100,50 +96,8 @@ fn help(error: &InputError) -> Option<&str> {
     }
 }
 
-/// Bad input as it is shown on a terminal.
-#[derive(Debug)]
-struct Shown<'a> {
-    error: &'a InputError,
-    source: Option<NamedSource<String>>,
-}
-
-impl<'a> Shown<'a> {
-    fn of(error: &'a InputError) -> Self {
-        let source = error.place().map(|place| {
-            let name = match place.origin() {
-                Origin::File => place.name().to_owned(),
-                Origin::Change => format!("--set {}", place.name()),
-            };
-            NamedSource::new(name, place.text().to_string())
-        });
-        Self { error, source }
-    }
-}
-
-impl fmt::Display for Shown<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.error.fmt(f)
-    }
-}
-
-impl std::error::Error for Shown<'_> {}
-
-impl Diagnostic for Shown<'_> {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        help(self.error).map(|help| Box::new(help) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|source| source as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.error.place()?;
-        Some(Box::new(std::iter::once(LabeledSpan::underline(place.span()))))
-    }
-}
-
-/// Prints a line on standard error; nobody listening there is no reason to stop.
-pub fn say(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+/// Says what went wrong.
+fn complain(message: &str) {
+    let style = Style::new().bold().fg_color(Some(AnsiColor::Red.into()));
+    say(&format!("{style}error{style:#}: {message}"));
 }

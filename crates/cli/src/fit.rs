@@ -23,8 +23,9 @@ use report::{FileNote, FitFile, TestNote};
 use pneuflex::input_error::{Origin, Place};
 use pneuflex::{InputError, OutputFolder, input_file, json};
 
-use crate::error::{CliError, say};
+use crate::error::CliError;
 use crate::outcome::Outcome;
+use crate::terminal::say;
 
 /// A test that is ready to be fitted.
 pub struct Prepared {

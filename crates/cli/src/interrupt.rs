@@ -6,8 +6,8 @@ use std::process;
 
 use pneuflex::StopToken;
 
-use crate::error::say;
 use crate::outcome::INTERRUPTED;
+use crate::terminal::say;
 
 /// Listens to Ctrl-C and to requests to terminate; returns what is stopped then.
 pub fn listen() -> StopToken {

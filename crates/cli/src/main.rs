@@ -3,7 +3,7 @@
 //! * [`args`], [`examples`]: the command line and its help.
 //! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
-//! * [`error`], [`outcome`], [`progress`]: messages, exit codes, progress.
+//! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //!
 //! Everything else is the library's, the crate `pneuflex`.
@@ -25,18 +25,22 @@ mod outcome;
 mod progress;
 mod rod;
 mod run;
+mod terminal;
 mod view;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
 use args::{Arguments, Command};
 use outcome::{Outcome, exit_code};
 
 fn main() -> ExitCode {
     interrupt::honour_nohup();
-    let done = match Arguments::parse().command {
+    // The width 0 breaks no line.
+    let command = Arguments::command().term_width(terminal::columns_of_output().unwrap_or_default());
+    let arguments = Arguments::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit());
+    let done = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),

@@ -7,7 +7,8 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 use pneuflex::OutputFolder;
 
-use crate::error::{CliError, say};
+use crate::error::CliError;
+use crate::terminal::say;
 
 /// Arguments of `pneuflex man`.
 #[derive(Debug, Args)]

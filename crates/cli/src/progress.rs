@@ -1,4 +1,4 @@
-//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing when quiet. All on standard error, in lines of 80 columns.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, nothing when quiet. All on standard error.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use pneuflex::newton::{Cause, IterationRecord};
 use pneuflex::post::summary::{ObstacleSummary, StepSummary};
 use pneuflex::{Event, ReachedState};
 
-use crate::error::say;
+use crate::terminal::{message, say};
 
 /// Tells somebody how a run is going.
 pub struct Progress {
@@ -31,9 +31,6 @@ enum Output {
 
 /// The bar's length; its position is the share of the last pressure.
 const LENGTH: u64 = 1000;
-
-/// Columns of a terminal.
-const WIDTH: usize = 80;
 
 impl Progress {
     /// Progress from `start` to `end`, on the load path, of a body that is made of so many modelled parts.
@@ -60,7 +57,7 @@ impl Progress {
         match &self.output {
             Output::Quiet => {}
             Output::Lines => say(text),
-            Output::Bar(bar) => bar.println(text),
+            Output::Bar(bar) => bar.println(message(text)),
         }
     }
 
@@ -112,7 +109,7 @@ impl Progress {
 
     /// A load step failed and is repeated with a smaller one.
     fn rejected(&self, cause: &Cause) {
-        self.line(&wrapped(&format!("  step rejected: {cause}"), ' '));
+        self.line(&format!("  step rejected: {cause}"));
     }
 
     /// A requested pressure is reached.
@@ -147,27 +144,12 @@ fn state_lines(clock: Clock, summary: &StepSummary, points: usize, left: &str) -
     let forces: String = summary.obstacles.iter().map(force).collect();
     let depth = summary.obstacles.values().fold(summary.contact.max_penetration_mm, |a, b| a.max(b.max_penetration_mm));
     if points > 0 || depth > 0.0 || !forces.is_empty() {
-        lines.push(wrapped(&format!("  {points} contact points, penetration {depth:.4} mm{forces}"), ','));
+        lines.push(format!("  {points} contact points, penetration {depth:.4} mm{forces}"));
     }
     if let Some(warning) = &summary.warning {
-        lines.push(wrapped(&format!("  warning: {warning}"), ' '));
+        lines.push(format!("  warning: {warning}"));
     }
     lines
-}
-
-/// A text in lines of [`WIDTH`] columns, broken after `at` where it can be.
-fn wrapped(text: &str, at: char) -> String {
-    let (mut lines, mut line) = (Vec::new(), String::new());
-    for part in text.split_inclusive(at) {
-        if line.chars().count() + part.trim_end().chars().count() > WIDTH && !line.trim().is_empty() {
-            lines.push(std::mem::replace(&mut line, "    ".into()));
-            line.push_str(part.trim_start());
-        } else {
-            line.push_str(part);
-        }
-    }
-    lines.push(line);
-    lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>().join("\n")
 }
 
 /// How long a run will take, from how long its load steps took.
@@ -234,15 +216,6 @@ pub fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn texts_are_broken_into_lines_of_a_terminal() {
-        let text = format!("  {} contact points{}", 12, ", 0.0123 N on a table".repeat(6));
-        let lines = wrapped(&text, ',');
-        assert!(lines.lines().count() > 1 && lines.lines().all(|line| line.chars().count() <= WIDTH), "{lines}");
-        assert_eq!(lines.replace("\n   ", ""), text);
-        assert_eq!(wrapped("  short", ' '), "  short");
-    }
 
     #[test]
     fn time_left_is_said_when_it_is_known_and_never_grows_within_a_step() {

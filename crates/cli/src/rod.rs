@@ -13,8 +13,9 @@ use pneuflex::{CaseFile, Estimate, InputError, MemoryLimit, OutputFolder, json};
 use serde::Serialize;
 
 use crate::args::RodArguments;
-use crate::error::{CliError, say};
+use crate::error::CliError;
 use crate::outcome::Outcome;
+use crate::terminal::say;
 
 /// Intervals of the rod: far more than its shape needs.
 const INTERVALS: usize = 164;

@@ -9,10 +9,11 @@ use pneuflex::words::thousands;
 use pneuflex::{Analysis, Error, OutputFolder, Start, Study, Unfinished};
 
 use crate::args::RunArguments;
-use crate::error::{CliError, say};
+use crate::error::CliError;
 use crate::interrupt;
 use crate::outcome::Outcome;
 use crate::progress::{Progress, duration};
+use crate::terminal::say;
 
 /// Solves a case.
 ///

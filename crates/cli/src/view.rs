@@ -5,7 +5,8 @@ use pneuflex::folder::REPORT;
 use pneuflex::report_page::report_page;
 
 use crate::args::ViewArguments;
-use crate::error::{CliError, say};
+use crate::error::CliError;
+use crate::terminal::say;
 
 /// Writes the report of a result folder and says where it is.
 ///

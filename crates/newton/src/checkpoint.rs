@@ -63,6 +63,9 @@ pub struct Checkpoint {
 pub struct Approach {
     /// Size of the next load step.
     pub step: f64,
+    /// Size that was rejected; the next steps come near to it by and by only.
+    #[serde(default)]
+    pub rejected: Option<f64>,
     /// Load steps accepted since the previous requested position.
     pub load_steps: usize,
     /// Iterations up to the previous requested position.

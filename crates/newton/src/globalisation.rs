@@ -52,6 +52,10 @@ pub struct Tuning {
     pub inexact_modulus_ratio: f64,
     /// After the present equilibrium was solved again to the tolerances, the next step is at least this share of the rejected one.
     pub step_after_polishing: f64,
+    /// After an accepted step, the next one is at most this share of the size that was rejected before,
+    pub step_after_rejection: f64,
+    /// which counts as this many times as large after every accepted step.
+    pub forgetting: f64,
     /// A step with no more iterations than this is followed by one twice as large.
     pub easy_iterations: usize,
 }
@@ -77,6 +81,8 @@ impl Default for Tuning {
             inexact_stretch: 0.05,
             inexact_modulus_ratio: 2e4,
             step_after_polishing: 0.25,
+            step_after_rejection: 0.7,
+            forgetting: 1.25,
             easy_iterations: 8,
         }
     }

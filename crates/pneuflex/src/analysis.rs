@@ -10,7 +10,7 @@ use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
 use crate::accuracy::{Expected, expected};
-use crate::body_file::read_body;
+use crate::body_file::{is_deck, read_body};
 use crate::caution::cautions;
 use crate::derived;
 use crate::diagnosis::{Subject, Warning, warnings};
@@ -156,7 +156,16 @@ impl Analysis {
 
     /// What things are called where it was written.
     pub fn vocabulary(&self) -> Vocabulary {
-        Vocabulary::of(self)
+        match &self.description {
+            Description::Actuator(_) => Vocabulary::CaseFile,
+            Description::Body(_) => Vocabulary::Program,
+            Description::Model(..) if is_deck(&self.path) => Vocabulary::Deck,
+            Description::Model(model, _) => match &model.model {
+                None => Vocabulary::ActuatorModel,
+                Some(source) if is_deck(source.file.as_ref()) => Vocabulary::DeckModel,
+                Some(_) => Vocabulary::MeshModel,
+            },
+        }
     }
 
     /// A model on a body that is there.
@@ -195,13 +204,13 @@ impl Analysis {
 
     /// What to be careful about in results of this analysis.
     pub fn warnings(&self, states: &[StepSummary]) -> Vec<Warning> {
-        let (mesh, contact) = match &self.description {
-            Description::Actuator(case) => (&case.mesh, Some(&case.contact)),
-            Description::Model(model, _) | Description::Body(model) => (&model.mesh, None),
+        let mesh = match &self.description {
+            Description::Actuator(case) => &case.mesh,
+            Description::Model(model, _) | Description::Body(model) => &model.mesh,
         };
         let actuator = self.actuator().map(|actuator| (actuator, mesh));
         let mut found = self.cautions();
-        found.extend(warnings(Subject { problem: &self.problem, actuator, contact }, states));
+        found.extend(warnings(Subject { problem: &self.problem, actuator, vocabulary: self.vocabulary() }, states));
         found
     }
 
@@ -218,7 +227,7 @@ impl Analysis {
     /// The part of these that is known before anything is solved.
     pub fn cautions(&self) -> Vec<Warning> {
         let end = self.requested.last().copied().unwrap_or_default();
-        cautions(&self.problem, end, self.description.model(), self.actuator().is_some(), &self.probes)
+        cautions(&self.problem, end, self.description.model(), self.vocabulary(), &self.probes)
     }
 
     /// Everything that can be derived from an equilibrium of this analysis: the summary, stresses, what the contact carries.

@@ -8,7 +8,9 @@ use pneuflex_model::load::Load;
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Asymmetry, BoxSide, Control, Curve, LoadParameter, Material, Probe, Problem, ProblemPart};
 
+use crate::advice::Occasion;
 use crate::diagnosis::{Warning, WarningKind};
+use crate::vocabulary::Vocabulary;
 use crate::words::thousands;
 
 /// Elements of a smaller scaled Jacobian are poor: slivers.
@@ -37,28 +39,46 @@ const ACCELERATION: [f64; 2] = [100.0, 1e6];
 const BULK_MODULUS: f64 = 2e4;
 const BULK_RATIO: f64 = 500.0;
 
-/// What is worth a word about a problem that is followed to `end`; `model` has the tables that it was built from, `is_actuator` says whether
-/// it was meshed here.
+/// What is worth a word about a problem that is followed to `end`, in the words of what it was written in; `model` has the tables that it was
+/// built from.
 pub fn cautions(
     problem: &Problem,
     end: LoadParameter,
     model: Option<&Model>,
-    is_actuator: bool,
+    vocabulary: Vocabulary,
     probes: &[Probe],
 ) -> Vec<Warning> {
-    let mut found = Vec::new();
-    found.extend(poor_elements(problem, is_actuator));
+    let mut found: Vec<Caution> = Vec::new();
+    found.extend(poor_elements(problem));
     found.extend(problem.asymmetries().iter().map(|twofold| two_of(problem, twofold)));
     found.extend(model.into_iter().flat_map(|model| regions(problem, model)));
     found.extend(probes.iter().filter_map(|probe| far_probe(problem, probe)));
     found.extend(unusual_size(problem));
     found.extend(unusual_materials(problem, end));
     found.extend(unusual_loads(problem, end));
-    found
+    let warning = |Caution { occasion, message }| {
+        let kind = match occasion {
+            Occasion::PoorShapes => WarningKind::ElementShape,
+            Occasion::Twofold => WarningKind::Symmetry,
+            Occasion::FarProbe => WarningKind::Probe,
+            _ => WarningKind::Units,
+        };
+        let advice = vocabulary.advice(occasion, problem);
+        Warning { kind, pressure_kpa: None, time: None, message, advice, occasion }
+    };
+    found.into_iter().map(warning).collect()
 }
 
-fn warning(kind: WarningKind, message: String, advice: impl Into<String>) -> Warning {
-    Warning { kind, pressure_kpa: None, time: None, message, advice: advice.into() }
+/// Something to be careful about.
+struct Caution {
+    occasion: Occasion,
+    message: String,
+}
+
+impl Caution {
+    fn new(occasion: Occasion, message: String) -> Self {
+        Self { occasion, message }
+    }
 }
 
 /// The element of the worst shape, its scaled Jacobian, and the number of poor ones.
@@ -76,26 +96,21 @@ pub fn centre(problem: &Problem, element: usize) -> [f64; 3] {
     std::array::from_fn(|k| corners.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners.len() as f64)
 }
 
-fn poor_elements(problem: &Problem, is_actuator: bool) -> Option<Warning> {
+fn poor_elements(problem: &Problem) -> Option<Caution> {
     let (element, quality, poor) = worst_element(problem)?;
     let [x, y, z] = centre(problem, element);
     let count = |n: usize| thousands(n as u64);
     let message = format!(
         "badly shaped elements: {} of {}; the worst, {}, near ({x:.2}, {y:.2}, {z:.2}) mm, has the scaled Jacobian {quality:.3} (good ones have 1, \
-         flat ones 0)",
+         flat ones 0); results near them are unreliable, and a run may stop there",
         count(poor),
         count(problem.mesh.num_elements()),
         element + 1
     );
-    let advice = if is_actuator {
-        "results near them are unreliable, and a run may stop there: take hexahedra (mesh.element = \"hex27\"), or a smaller mesh.edge_size"
-    } else {
-        "results near them are unreliable, and a run may stop there: improve the mesh (Gmsh: Mesh.Optimize, or another size)"
-    };
-    (poor > 0).then(|| warning(WarningKind::ElementShape, message, advice))
+    (poor > 0).then(|| Caution::new(Occasion::PoorShapes, message))
 }
 
-fn two_of(problem: &Problem, twofold: &Asymmetry) -> Warning {
+fn two_of(problem: &Problem, twofold: &Asymmetry) -> Caution {
     let what = match twofold.part {
         ProblemPart::Support(number) => format!("support {}", problem.supports[number].name),
         ProblemPart::Obstacle(number) => format!("obstacle {}", problem.obstacles[number].name),
@@ -105,11 +120,10 @@ fn two_of(problem: &Problem, twofold: &Asymmetry) -> Warning {
             Load::Pressure { .. } | Load::Gravity { .. } => "a load".to_owned(),
         },
     };
-    let advice = "if there is only one, model the whole body (part = \"whole\" of an actuator)";
-    warning(WarningKind::Symmetry, format!("{what}: {}", twofold.why), advice)
+    Caution::new(Occasion::Twofold, format!("{what}: {}", twofold.why))
 }
 
-fn regions(problem: &Problem, model: &Model) -> Vec<Warning> {
+fn regions(problem: &Problem, model: &Model) -> Vec<Caution> {
     let mut found = Vec::new();
     for region in &model.regions {
         let Some(corners) = region.within else { continue };
@@ -119,14 +133,13 @@ fn regions(problem: &Problem, model: &Model) -> Vec<Warning> {
                 region.name,
                 plane.words()
             );
-            let advice = "if there is only one, model the whole body (part = \"whole\" of an actuator)";
-            found.push(warning(WarningKind::Symmetry, message, advice));
+            found.push(Caution::new(Occasion::Twofold, message));
         }
     }
     found
 }
 
-fn far_probe(problem: &Problem, probe: &Probe) -> Option<Warning> {
+fn far_probe(problem: &Problem, probe: &Probe) -> Option<Caution> {
     let (node, distance) = problem.mesh.nearest_node(probe.at)?;
     let [x, y, z] = problem.mesh.nodes[node];
     let message = format!(
@@ -134,21 +147,20 @@ fn far_probe(problem: &Problem, probe: &Probe) -> Option<Warning> {
         probe.name
     );
     let is_far = distance > FAR_PROBE * problem.mesh.extent();
-    is_far.then(|| warning(WarningKind::Probe, message, "put it on the body at rest"))
+    is_far.then(|| Caution::new(Occasion::FarProbe, message))
 }
 
 fn is_unusual(value: f64, [low, high]: [f64; 2]) -> bool {
     !(low..=high).contains(&value)
 }
 
-fn unusual_size(problem: &Problem) -> Option<Warning> {
+fn unusual_size(problem: &Problem) -> Option<Caution> {
     let (extent, volume) = (problem.mesh.extent(), problem.mesh.volume());
     let message = format!("the body is {extent:.3e} mm long and has {volume:.3e} mm3");
-    let advice = "lengths are in mm: a mesh in metres needs model.scale = 1000, a deck in metres must be converted, its moduli and loads too";
-    is_unusual(extent, EXTENT).then(|| warning(WarningKind::Units, message, advice))
+    is_unusual(extent, EXTENT).then(|| Caution::new(Occasion::Size, message))
 }
 
-fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
+fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Caution> {
     let mut found = Vec::new();
     let (materials, of_element) = problem.materials();
     let mut is_used = vec![false; materials.len()];
@@ -158,23 +170,20 @@ fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
     if softest.is_finite() && is_unusual(softest, SHEAR_MODULUS) {
         let message =
             format!("the softest material has a shear modulus of {softest:.3e} MPa; silicones have 0.01 to 2");
-        found.push(warning(WarningKind::Units, message, "moduli are in MPa: 1 kPa is 0.001, 1 Pa is 0.000001"));
+        found.push(Caution::new(Occasion::Modulus, message));
     }
     for material in used {
         let (density, bulk) = (material.density, material.bulk_modulus);
         if density > 0.0 && is_unusual(density, DENSITY) {
             let message = format!("a material has a density of {density:.3e} g/cm3; silicones have about 1.1");
-            let advice = "material.density is in g/cm3; *DENSITY of a deck is in t/mm3, 1.1e-9 for silicone";
-            found.push(warning(WarningKind::Units, message, advice));
+            found.push(Caution::new(Occasion::Density, message));
         }
         if bulk > BULK_MODULUS && bulk > BULK_RATIO * material.shear_modulus() {
             let message = format!(
                 "a material with a shear modulus of {:.4} MPa has a bulk modulus of {bulk:.3e} MPa; polymers have 1000 to 8000",
                 material.shear_modulus()
             );
-            let advice = "set bulk_modulus: the default keeps rubber's ratio to the shear modulus; stiff layers of paper, fabric or plastic \
-                          have one to five times their shear modulus";
-            found.push(warning(WarningKind::Units, message, advice));
+            found.push(Caution::new(Occasion::Bulk, message));
         }
     }
     let largest = largest_pressure(problem, end);
@@ -184,8 +193,7 @@ fn unusual_materials(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
             1000.0 * largest,
             largest / softest
         );
-        let advice = "pressures are in kPa in case and model files and in MPa in decks; moduli are in MPa";
-        found.push(warning(WarningKind::Units, message, advice));
+        found.push(Caution::new(Occasion::Pressure, message));
     }
     found
 }
@@ -230,7 +238,7 @@ fn bends<'a>(curves: impl IntoIterator<Item = &'a Curve>, end: LoadParameter) ->
 type Weight<'a> = ([f64; 3], &'a Curve);
 
 /// Accelerations of the same elements add up, however they are divided among loads: a deck's has one for every axis.
-fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
+fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Caution> {
     let mut of_elements: BTreeMap<Option<&Vec<u32>>, Vec<Weight<'_>>> = BTreeMap::new();
     for load in &problem.loads {
         if let Load::Gravity { elements, acceleration, curve } = load {
@@ -245,8 +253,7 @@ fn unusual_loads(problem: &Problem, end: LoadParameter) -> Vec<Warning> {
         };
         let largest = bends(group.iter().map(|(_, curve)| *curve), end).into_iter().map(at).fold(0.0, f64::max);
         let message = format!("the acceleration is {largest:.4} mm/s2; on earth it is 9810");
-        let advice = "gravity.acceleration is in mm/s2: [0, 0, -9810] with z upwards";
-        (largest > 0.0 && is_unusual(largest, ACCELERATION)).then(|| warning(WarningKind::Units, message, advice))
+        (largest > 0.0 && is_unusual(largest, ACCELERATION)).then(|| Caution::new(Occasion::Acceleration, message))
     };
     of_elements.into_values().filter_map(of_group).collect()
 }
@@ -264,7 +271,10 @@ mod tests {
     }
 
     fn said(problem: &Problem) -> Vec<WarningKind> {
-        cautions(problem, LoadParameter(1.0), None, false, &[]).into_iter().map(|warning| warning.kind).collect()
+        cautions(problem, LoadParameter(1.0), None, Vocabulary::MeshModel, &[])
+            .into_iter()
+            .map(|warning| warning.kind)
+            .collect()
     }
 
     #[test]
@@ -325,7 +335,13 @@ mod tests {
     fn slivers_and_probes_beside_the_body_are_named() {
         let right = block(10.0);
         let mesh = (*right.mesh).clone().map_nodes(|[x, y, z]| [x + 40.0 * z, y, z]);
-        let found = cautions(&Problem { mesh: mesh.into(), ..right.clone() }, LoadParameter(1.0), None, false, &[]);
+        let found = cautions(
+            &Problem { mesh: mesh.into(), ..right.clone() },
+            LoadParameter(1.0),
+            None,
+            Vocabulary::MeshModel,
+            &[],
+        );
         assert_eq!(found[0].kind, WarningKind::ElementShape);
         assert!(found[0].message.contains("of 6;"), "{}", found[0].message);
         let probe = |x: f64| far_probe(&right, &Probe { name: "p".into(), at: [x, 0.0, 0.0] });

@@ -3,11 +3,13 @@
 use std::fmt;
 
 use pneuflex_mesh::Actuator;
-use pneuflex_model::{Contact, ContactMethod, MeshOptions, Problem, Resolution};
+use pneuflex_model::{ContactMethod, ContactPair, MeshOptions, Problem, Resolution};
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
 use crate::accuracy::{Expected, Fineness, Outside, Parameter, expected};
+use crate::advice::Occasion;
+use crate::vocabulary::Vocabulary;
 
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.01;
@@ -35,6 +37,9 @@ pub struct Warning {
     pub message: String,
     /// What to do about it.
     pub advice: String,
+    /// What the advice was given for.
+    #[serde(skip)]
+    pub occasion: Occasion,
 }
 
 impl fmt::Display for Warning {
@@ -76,17 +81,18 @@ pub struct Subject<'a> {
     pub problem: &'a Problem,
     /// Lengths and mesh, if it is an actuator.
     pub actuator: Option<(&'a Actuator, &'a MeshOptions)>,
-    /// Contact in the gaps as a case file has it.
-    pub contact: Option<&'a Contact>,
+    /// What it was written in.
+    pub vocabulary: Vocabulary,
 }
 
 /// What to be careful about in results.
 pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     let mut found = Vec::new();
-    let mut add = |kind, at: Option<&StepSummary>, message: String, advice: &str| {
+    let mut add = |kind, at: Option<&StepSummary>, message: String, occasion: Occasion| {
         let time = at.and_then(|step| step.time);
         let pressure_kpa = at.filter(|step| step.time.is_none()).map(|step| step.pressure_kpa);
-        found.push(Warning { kind, pressure_kpa, time, message, advice: advice.into() });
+        let advice = subject.vocabulary.advice(occasion, subject.problem);
+        found.push(Warning { kind, pressure_kpa, time, message, advice, occasion });
     };
     let when = |step: &StepSummary| subject.problem.clock.words(step.when());
     // A warning is headed by where it begins; its numbers are those of where it is worst.
@@ -96,13 +102,24 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     };
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.warning.is_some()) {
         let message = worst.warning.clone().unwrap_or_default();
-        let advice = "what lies beyond is no measured behaviour; use constants that were fitted to larger stretches";
-        add(WarningKind::MaterialLimit, Some(first), format!("{}{message}", since(first, worst)), advice);
+        let message = format!("{}{message}; what lies beyond is no measured behaviour", since(first, worst));
+        add(WarningKind::MaterialLimit, Some(first), message, Occasion::BeyondConstants);
     }
     if let (Some(first), _) = first_and_last(steps, |step| step.mesh_instability.is_some()) {
-        let message = format!("at {} {}", when(first), first.mesh_instability.clone().unwrap_or_default());
-        let advice = "use quadratic elements or a finer mesh before relying on what lies beyond";
-        add(WarningKind::MeshInstability, Some(first), message, advice);
+        let message = format!(
+            "at {} {}; what lies beyond is not to be relied on",
+            when(first),
+            first.mesh_instability.clone().unwrap_or_default()
+        );
+        add(WarningKind::MeshInstability, Some(first), message, Occasion::UnstableElements);
+    }
+    if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.unmet_tolerance.is_some()) {
+        let message = format!(
+            "{}walls press into each other by more than contact.penetration_tolerance: {}",
+            since(first, worst),
+            worst.unmet_tolerance.as_deref().unwrap_or_default()
+        );
+        add(WarningKind::Penetration, Some(first), message, Occasion::UnmetTolerance);
     }
     if let Some((thickness, of)) = touched_thickness(subject) {
         let is_deep = |step: &StepSummary| deepest(step) > PENETRATION_SHARE * thickness;
@@ -114,40 +131,33 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
                 deepest(worst),
                 100.0 * deepest(worst) / thickness
             );
-            let is_obstacle = deepest(worst) > worst.contact.max_penetration_mm;
-            let advice = match subject.contact.map(|contact| (contact.method, contact.stiffness)) {
-                _ if is_obstacle => "raise obstacle.stiffness".into(),
-                _ if has_averaged_gaps(subject.problem) => {
-                    "gaps are closed on the mean around the corners of faces (mortar): make the elements smaller where they touch".into()
-                }
-                None => "raise the stiffness of the contact".into(),
-                Some((ContactMethod::None, _)) => "contact is switched off: set contact.method to multi-point".into(),
-                Some((ContactMethod::SinglePoint, _)) => {
-                    "single-point contact lets walls through: set contact.method to multi-point".into()
-                }
-                Some((ContactMethod::MultiPoint | ContactMethod::Mortar, stiffness)) => {
-                    format!("raise contact.stiffness, which is {stiffness}, or set contact.penetration_tolerance")
-                }
+            let occasion = match subject.problem.contact.method {
+                _ if deepest(worst) > worst.contact.max_penetration_mm => Occasion::DeepObstacle,
+                _ if has_averaged_gaps(subject.problem) => Occasion::DeepAverages,
+                ContactMethod::MultiPoint | ContactMethod::Mortar => Occasion::DeepContact,
+                ContactMethod::None | ContactMethod::SinglePoint => Occasion::NoContact,
             };
-            add(WarningKind::Penetration, Some(first), message, &advice);
+            add(WarningKind::Penetration, Some(first), message, occasion);
         }
     }
+    let is_watched = subject.problem.contact_pairs.iter().any(ContactPair::is_self);
     if let (Some(first), _) =
         first_and_last(steps, |step| step.end_face_angle_deg.is_some_and(|angle| angle.abs() > 360.0))
+        && !is_watched
     {
         let message = "the body has curled through more than a full turn; other parts than those between which contact is modelled may \
-                       overlap";
-        add(WarningKind::Overlap, Some(first), message.into(), "look at the shape before relying on it");
+                       overlap: look at the shape before relying on it";
+        add(WarningKind::Overlap, Some(first), message.into(), Occasion::Overlap);
     }
     let expected = subject.actuator.map(|(actuator, mesh)| expected(subject.problem, actuator, mesh, steps));
-    if let Some((message, advice)) = coarse_mesh(subject, expected.as_ref()) {
-        add(WarningKind::CoarseMesh, None, message, &advice);
+    if let Some((message, occasion)) = coarse_mesh(subject, expected.as_ref()) {
+        add(WarningKind::CoarseMesh, None, message, occasion);
     }
     if let Some(expected) = &expected
-        && let Some((message, advice)) = unmeasured(subject, expected)
+        && let Some(message) = unmeasured(subject, expected)
     {
         let first = expected.since().and_then(|since| steps.iter().find(|step| step.when() == since));
-        add(WarningKind::Accuracy, first, message, &advice);
+        add(WarningKind::Accuracy, first, message, Occasion::Unmeasured);
     }
     if let Some((actuator, _)) = subject.actuator
         && subject.problem.obstacles.is_empty()
@@ -158,9 +168,7 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
             when(last),
             last.end_face_angle_deg.unwrap_or_default()
         );
-        let advice =
-            "if that is not what is meant: moduli are in MPa (1 kPa is 0.001), pressures in kPa, lengths in mm";
-        add(WarningKind::Units, Some(last), message, advice);
+        add(WarningKind::Units, Some(last), message, Occasion::HardlyMoves);
     }
     found
 }
@@ -198,20 +206,18 @@ fn hardly_moves(actuator: &Actuator, step: &StepSummary) -> bool {
     step.pressure_kpa > 0.0 && angle < LEAST_ANGLE && tip < LEAST_TIP * length
 }
 
-fn coarse_mesh(subject: Subject<'_>, expected: Option<&Expected>) -> Option<(String, String)> {
+fn coarse_mesh(subject: Subject<'_>, expected: Option<&Expected>) -> Option<(String, Occasion)> {
     let too_stiff = "one linear element across the thinnest wall bends too stiffly: displacements come out several per cent too small";
     let is_linear = !subject.problem.formulation.element.is_quadratic();
     let (Some((actuator, mesh)), Some(expected)) = (subject.actuator, expected) else {
-        let advice =
-            "divide walls into two elements at least, or take quadratic ones (C3D20, C3D10; second order in Gmsh)";
-        let message = || (too_stiff.replace("the thinnest wall", "a wall"), advice.to_owned());
+        let message = || (too_stiff.replace("the thinnest wall", "a wall"), Occasion::LinearElements);
         return (is_linear && subject.problem.mesh.share_of_single_layers() > SINGLE_LAYERS).then(message);
     };
-    let advice = || format!("{} before relying on numbers{}", FINER_THAN_DRAFT, converge(subject));
     if is_linear {
         let size = mesh.mesh_size(actuator);
         let across = actuator.thinnest_wall() / size.size.into_iter().fold(0.0, f64::max).min(size.edge);
-        return (across.max(size.wall_elements as f64) < 1.5).then(|| (too_stiff.into(), advice()));
+        let message = || (too_stiff.into(), Occasion::LinearElements);
+        return (across.max(size.wall_elements as f64) < 1.5).then(message);
     }
     let which = match expected.fineness {
         Some(Fineness::Standard | Fineness::Fine) => return None,
@@ -223,19 +229,11 @@ fn coarse_mesh(subject: Subject<'_>, expected: Option<&Expected>) -> Option<(Str
         Some(bounds) => format!("on designs like this one its errors are up to {bounds}"),
         None => "its errors may be large".to_owned(),
     };
-    Some((format!("{which} is for trying things out: {errors}"), advice()))
+    Some((format!("{which} is for trying things out: {errors}"), Occasion::CoarseMesh))
 }
 
-/// What makes a mesh finer that is as coarse as `draft`.
-const FINER_THAN_DRAFT: &str = "use mesh.resolution = \"standard\" or \"fine\"";
-
-/// Advice to measure the errors of the case itself, where that can be done.
-fn converge(subject: Subject<'_>) -> &'static str {
-    if subject.contact.is_some() { "; `pneuflex converge` gives error bars" } else { "" }
-}
-
-/// In what an actuator is unlike those on which errors were measured, and what to do about it.
-fn unmeasured(subject: Subject<'_>, expected: &Expected) -> Option<(String, String)> {
+/// In what an actuator is unlike those on which errors were measured.
+fn unmeasured(subject: Subject<'_>, expected: &Expected) -> Option<String> {
     let words = |outside: &Outside| match outside.when {
         Some(when) => format!("at {} {}", subject.problem.clock.words(when), outside.what),
         None => outside.what.clone(),
@@ -246,20 +244,11 @@ fn unmeasured(subject: Subject<'_>, expected: &Expected) -> Option<(String, Stri
         |outside: &&Outside| !(is_linear && matches!(outside.parameter, Parameter::Element | Parameter::Mesh));
     let what: Vec<String> = expected.outside.iter().filter(is_news).map(words).collect();
     let message = format!(
-        "errors may be larger than those that were measured for this mesh, because the design is unlike the measured ones: {}",
+        "errors may be larger than those that were measured for this mesh, because the design is unlike the measured ones: {}; compare two \
+         meshes before relying on numbers",
         what.join("; ")
     );
-    let advice = match expected.fineness {
-        Some(Fineness::Fine) if subject.contact.is_some() => {
-            "`pneuflex converge` gives error bars; a smaller mesh.edge_size reduces the errors".to_owned()
-        }
-        Some(Fineness::Fine) => "compare with a smaller mesh.edge_size".to_owned(),
-        Some(Fineness::Standard) => {
-            format!("compare with mesh.resolution = \"fine\"{}", converge(subject))
-        }
-        Some(Fineness::Draft) | None => format!("{FINER_THAN_DRAFT}, and compare{}", converge(subject)),
-    };
-    (!what.is_empty()).then_some((message, advice))
+    (!what.is_empty()).then_some(message)
 }
 
 fn first_and_last(
@@ -286,7 +275,7 @@ mod tests {
             let case = case(change);
             let problem = Problem::from_case(&case).unwrap();
             let actuator = Some((&case.actuator, &case.mesh));
-            let subject = Subject { problem: &problem, actuator, contact: Some(&case.contact) };
+            let subject = Subject { problem: &problem, actuator, vocabulary: Vocabulary::CaseFile };
             warnings(subject, &[]).into_iter().map(|w| w.kind).collect()
         };
         assert_eq!(kinds("resolution = \"draft\""), [WarningKind::CoarseMesh]);

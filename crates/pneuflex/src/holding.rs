@@ -3,6 +3,7 @@
 use pneuflex_model::Problem;
 use pneuflex_newton::{LoosePart, loose_parts};
 
+use crate::advice::Occasion;
 use crate::input_error::InputError;
 use crate::vocabulary::Vocabulary;
 use crate::words::plural;
@@ -26,7 +27,7 @@ pub fn check(problem: &Problem, vocabulary: Vocabulary) -> Result<Option<String>
             [part] if is_whole(part, problem) => format!("the body is not held: it is free {}", part.motions),
             parts => format!("{} not held by anything: {}", are(parts), described(problem, parts)),
         };
-        return Err(InputError::new(message).with_help(Some(vocabulary.hold().to_owned())));
+        return Err(InputError::new(message).with_help(Some(vocabulary.advice(Occasion::Free, problem))));
     }
     Ok((!touching.is_empty()).then(|| held_by_contact(problem, &touching)))
 }

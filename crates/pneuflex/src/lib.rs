@@ -108,7 +108,7 @@
 //! |---|---|
 //! | [`study`], [`body`], [`analysis`] | what is to be solved: from files, from memory, built |
 //! | [`run`], [`observer`] | following the path |
-//! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
+//! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`advice`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`folder`], [`recorder`], [`checkpoint_file`], [`report_page`] | result folders |
@@ -116,6 +116,7 @@
 //! | [`document`] | case and model files as texts with places |
 
 pub mod accuracy;
+pub mod advice;
 pub mod analysis;
 pub mod body;
 mod body_file;

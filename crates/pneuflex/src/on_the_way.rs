@@ -63,7 +63,7 @@ mod tests {
             step: 1,
             iterations: 1,
             timing: Timing::default(),
-            approach: Approach { step: 1.0, load_steps: 1, iterations_before: 0 },
+            approach: Approach { step: 1.0, rejected: None, load_steps: 1, iterations_before: 0 },
             first_rate: None,
             linearisation: None,
             contact_multipliers: Vec::new(),

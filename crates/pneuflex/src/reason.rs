@@ -1,11 +1,12 @@
 //! Why a run ended early, in the words of somebody who designs actuators, and what helps.
 
 use pneuflex_model::load::Load;
-use pneuflex_model::{Control, Invariant, LoadParameter, Problem};
+use pneuflex_model::{Control, LoadParameter, Problem};
 use pneuflex_newton::{Cause, Failure, UnstableMotions, loose_parts};
 use pneuflex_post::stress::{first_largest, recover};
 use serde::Serialize;
 
+use crate::advice::Occasion;
 use crate::holding;
 use crate::vocabulary::Vocabulary;
 
@@ -23,6 +24,9 @@ pub struct Reason {
     pub message: String,
     /// What to try.
     pub advice: String,
+    /// What the advice was given for.
+    #[serde(skip)]
+    pub occasion: Occasion,
 }
 
 /// Kinds of reasons; their names are part of `summary.json`.
@@ -83,6 +87,11 @@ struct End<'a> {
 }
 
 impl End<'_> {
+    fn reason(&self, kind: ReasonKind, occasion: Occasion, message: String) -> Reason {
+        let is_physical = matches!(kind, ReasonKind::MaterialLimit | ReasonKind::Instability);
+        Reason { kind, is_physical, message, advice: self.vocabulary.advice(occasion, self.problem), occasion }
+    }
+
     fn reached(&self) -> String {
         self.failure.clock.words(self.failure.reached)
     }
@@ -104,22 +113,12 @@ impl End<'_> {
 
     /// The equations do not fit in memory.
     fn out_of_memory(&self, why: &dyn std::fmt::Display) -> Reason {
-        Reason {
-            kind: ReasonKind::OutOfMemory,
-            is_physical: false,
-            message: format!("the memory does not suffice beyond {}: {why}", self.reached()),
-            advice: "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)"
-                .into(),
-        }
+        let message = format!("the memory does not suffice beyond {}: {why}", self.reached());
+        self.reason(ReasonKind::OutOfMemory, Occasion::OutOfMemory, message)
     }
 
     fn not_solvable(&self) -> Reason {
-        Reason {
-            kind: ReasonKind::NotConverged,
-            is_physical: false,
-            message: self.failure.cause.to_string(),
-            advice: "mend what the message names".into(),
-        }
+        self.reason(ReasonKind::NotConverged, Occasion::BadEquations, self.failure.cause.to_string())
     }
 
     /// The material has no stiffness left somewhere.
@@ -145,34 +144,24 @@ impl End<'_> {
                 (*element, point.position, what, unstable.len())
             }
         };
-        Some(Reason {
-            kind: ReasonKind::MaterialLimit,
-            is_physical: true,
-            message: format!(
-                "at {} the material gives way: in element {element} near {} {what} ({count} integration points)",
-                self.reached(),
-                place(at)
-            ),
-            advice: format!(
-                "stay below this {}, make the walls thicker, or use constants that were fitted to larger stretches (`pneuflex fit` prints \
-                 the range in which a set is stable)",
-                self.vocabulary.position()
-            ),
-        })
+        let message = format!(
+            "at {} the material gives way: in element {element} near {} {what} ({count} integration points)",
+            self.reached(),
+            place(at)
+        );
+        Some(self.reason(ReasonKind::MaterialLimit, Occasion::NoStiffnessLeft, message))
     }
 
     /// Nothing is solved yet, and a part is held by contact alone.
     fn not_held(&self) -> Option<Reason> {
         let parts = if self.is_at_rest() { loose_parts(self.problem) } else { Vec::new() };
-        (!parts.is_empty()).then(|| Reason {
-            kind: ReasonKind::NotHeld,
-            is_physical: false,
-            message: format!(
+        let message = || {
+            format!(
                 "no equilibrium is found from rest: {}; it does not hold it from the beginning",
                 holding::held_by_contact(self.problem, &parts)
-            ),
-            advice: format!("{}, or let the part touch what is to hold it from the beginning", self.vocabulary.hold()),
-        })
+            )
+        };
+        (!parts.is_empty()).then(|| self.reason(ReasonKind::NotHeld, Occasion::NotHeld, message()))
     }
 
     /// The tangent is indefinite at the last equilibrium, or at the one that was found after it.
@@ -187,47 +176,32 @@ impl End<'_> {
             None if stability.negative_pivots > 0 => stability.motions.as_deref(),
             None => return None,
         };
-        let at = self.reached();
+        let place_of = |motions: &UnstableMotions| format!(", most of all near {}", place(motions.place));
+        let near = motions.map_or(String::new(), place_of);
         Some(match motions {
             Some(motions) if motions.are_of_the_mesh() => self.mesh_instability(motions),
-            _ if self.is_at_rest() => Reason {
-                kind: ReasonKind::MeshInstability,
-                is_physical: false,
-                message: "the body is unstable as soon as it is loaded, which no material with stiffness is: its elements or its constants are"
-                    .into(),
-                advice: format!(
-                    "{}, or use the isochoric invariant, and look whether the material is stable at rest",
-                    self.better_mesh()
-                ),
-            },
-            motions => Reason {
-                kind: ReasonKind::Instability,
-                is_physical: true,
-                message: format!(
-                    "the equilibrium becomes unstable beyond {at}: small disturbances make it buckle or snap{}",
-                    motions.map_or(String::new(), |motions| format!(", most of all near {}", place(motions.place)))
-                ),
-                advice: format!(
-                    "stay below this {}, or make what buckles there thicker or shorter; the last shape shows it",
-                    self.vocabulary.position()
-                ),
-            },
+            // Where the way to it begins is not known: no design is to blame yet.
+            _ if self.is_at_rest() => {
+                let attempted = self.failure.clock.words(self.failure.attempted);
+                let message = format!(
+                    "the body is unstable where the first step leads, at {attempted}: it buckles or snaps before{near}"
+                );
+                Reason { is_physical: false, ..self.reason(ReasonKind::Instability, Occasion::FirstStep, message) }
+            }
+            _ => {
+                let message = format!(
+                    "the equilibrium becomes unstable beyond {}: small disturbances make it buckle or snap{near}",
+                    self.reached()
+                );
+                self.reason(ReasonKind::Instability, Occasion::Buckling, message)
+            }
         })
     }
 
     fn mesh_instability(&self, motions: &UnstableMotions) -> Reason {
-        let is_full = || self.problem.materials().0.iter().any(|material| material.invariant == Invariant::Full);
-        let advice = if motions.is_volumetric() && is_full() {
-            format!("{}, or the isochoric invariant", self.better_mesh())
-        } else {
-            self.better_mesh()
-        };
-        Reason {
-            kind: ReasonKind::MeshInstability,
-            is_physical: false,
-            message: format!("the mesh becomes unstable beyond {}: {}", self.reached(), mesh_motions(motions)),
-            advice,
-        }
+        let message = format!("the mesh becomes unstable beyond {}: {}", self.reached(), mesh_motions(motions));
+        let occasion = if motions.is_volumetric() { Occasion::VolumetricMotion } else { Occasion::ElementMotion };
+        self.reason(ReasonKind::MeshInstability, occasion, message)
     }
 
     /// A small change of the load makes a large one of the shape.
@@ -246,21 +220,14 @@ impl End<'_> {
         };
         let is_blown = self.problem.cavities.iter().any(|cavity| matches!(cavity.control, Control::Pressure(_)))
             || self.problem.loads.iter().any(|load| matches!(load, Load::Pressure { .. }));
-        let further = if is_blown { self.vocabulary.pump() } else { self.vocabulary.drive() };
+        let occasion = if is_blown { Occasion::GreatestPressure } else { Occasion::GreatestForce };
         let pressure = self.greatest_pressure().map_or(String::new(), |kpa| format!(" ({kpa:.4} kPa)"));
-        Some(Reason {
-            kind: ReasonKind::Instability,
-            is_physical: true,
-            message: format!(
-                "the load has reached its greatest value at {}{pressure}: a little more of it stretches some part {much} at the beginning, \
-                 and no equilibrium at a greater load is near",
-                self.reached()
-            ),
-            advice: format!(
-                "stay below this {}, make what stretches thicker, or, to see what comes after it, {further}",
-                self.vocabulary.position()
-            ),
-        })
+        let message = format!(
+            "the load has reached its greatest value at {}{pressure}: a little more of it stretches some part {much} at the beginning, \
+             and no equilibrium at a greater load is near",
+            self.reached()
+        );
+        Some(self.reason(ReasonKind::Instability, occasion, message))
     }
 
     /// The greatest pressure of the air where the path ended, kPa, if the load parameter is not one itself.
@@ -283,32 +250,17 @@ impl End<'_> {
 
     fn passed_through(&self) -> Option<Reason> {
         let Cause::PassedThrough { obstacle } = &self.failure.cause else { return None };
-        Some(Reason {
-            kind: ReasonKind::WallsCross,
-            is_physical: false,
-            message: format!(
-                "beyond {} the only equilibrium that is found lies on the other side of the obstacle `{obstacle}`",
-                self.reached()
-            ),
-            advice: format!(
-                "try {}, or {}: the body may slip off there, which no equilibrium describes",
-                self.vocabulary.smaller_steps(),
-                self.vocabulary.contact_stiffness(self.problem)
-            ),
-        })
+        let message = format!(
+            "beyond {} the only equilibrium that is found lies on the other side of the obstacle `{obstacle}`; the body may slip off there, \
+             which no equilibrium describes",
+            self.reached()
+        );
+        Some(self.reason(ReasonKind::WallsCross, Occasion::PassedThrough, message))
     }
 
     fn chatter(&self) -> Option<Reason> {
-        self.is_chatter().then(|| Reason {
-            kind: ReasonKind::WallsCross,
-            is_physical: false,
-            message: format!("the contact does not settle beyond {}: {}", self.reached(), self.failure.cause),
-            advice: format!(
-                "try {}, or {}",
-                self.vocabulary.finer_mesh(),
-                self.vocabulary.contact_stiffness(self.problem)
-            ),
-        })
+        let message = || format!("the contact does not settle beyond {}: {}", self.reached(), self.failure.cause);
+        self.is_chatter().then(|| self.reason(ReasonKind::WallsCross, Occasion::UnsettledContact, message()))
     }
 
     fn inverted(&self) -> Option<Reason> {
@@ -319,38 +271,21 @@ impl End<'_> {
             let mean = |k: usize| nodes.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / nodes.len() as f64;
             format!(" near {}", place([0, 1, 2].map(mean)))
         });
-        Some(Reason {
-            kind: ReasonKind::InvertedElement,
-            is_physical: false,
-            message: format!(
-                "an element turns inside out beyond {}: element {element}{}; the mesh does not follow the body there",
-                self.reached(),
-                near.unwrap_or_default()
-            ),
-            advice: self.better_mesh(),
-        })
-    }
-
-    fn better_mesh(&self) -> String {
-        let (finer, better) = (self.vocabulary.finer_mesh(), self.vocabulary.better_elements());
-        if self.problem.formulation.name() == "hex27" {
-            return format!("try {finer}");
-        }
-        format!("try {better}, or {finer}")
+        let message = format!(
+            "an element turns inside out beyond {}: element {element}{}; the mesh does not follow the body there",
+            self.reached(),
+            near.unwrap_or_default()
+        );
+        Some(self.reason(ReasonKind::InvertedElement, Occasion::InvertedElement, message))
     }
 
     fn unclear(&self) -> Reason {
-        let words = self.vocabulary;
-        Reason {
-            kind: ReasonKind::NotConverged,
-            is_physical: false,
-            message: format!(
-                "Newton's method finds no equilibrium beyond {}, and it is not clear why: {}",
-                self.reached(),
-                self.failure.cause
-            ),
-            advice: format!("try {}, {}, or {}", words.smaller_steps(), words.finer_mesh(), words.bulk_modulus()),
-        }
+        let message = format!(
+            "Newton's method finds no equilibrium beyond {}, and it is not clear why: {}",
+            self.reached(),
+            self.failure.cause
+        );
+        self.reason(ReasonKind::NotConverged, Occasion::Unclear, message)
     }
 }
 
@@ -419,7 +354,7 @@ mod tests {
         assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);
     }
 
-    /// A body buckles, its mesh is unstable, and what is unstable without any load is no design at all.
+    /// A body buckles, or its mesh is unstable.
     #[test]
     fn an_instability_is_one_of_the_body_or_of_the_mesh() {
         let problem = problem();
@@ -457,8 +392,12 @@ mod tests {
         }
         let volumetric = reason(Some(UnstableMotions { volumetric_share: 0.5, ..of_body }), 7.0);
         assert!(!volumetric.advice.contains("isochoric"), "it is: {}", volumetric.advice);
-        let at_rest = reason(Some(of_body), 0.0);
-        assert_eq!((at_rest.kind, at_rest.is_physical), (ReasonKind::MeshInstability, false));
-        assert!(!at_rest.message.contains("0 kPa") && !at_rest.message.contains("times"), "{}", at_rest.message);
+        // A first step beyond the load at which it buckles says nothing of the body at rest.
+        let first_step = reason(Some(of_body), 0.0);
+        assert_eq!((first_step.kind, first_step.is_physical), (ReasonKind::Instability, false));
+        assert!(
+            first_step.message.contains("at 8 kPa") && first_step.advice.contains("max_step_kpa"),
+            "{first_step:?}"
+        );
     }
 }

@@ -1,9 +1,8 @@
 //! What things are called in each kind of file: the only place from which advice takes the names of keys.
 
-use pneuflex_model::Problem;
+use pneuflex_model::{Invariant, Material, Problem};
 
-use crate::analysis::{Analysis, Description};
-use crate::body_file::is_deck;
+use crate::advice::{Occasion, Remedy};
 
 /// What a problem was written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,18 +22,99 @@ pub enum Vocabulary {
 }
 
 impl Vocabulary {
-    /// That of an analysis.
-    pub fn of(analysis: &Analysis) -> Self {
-        match &analysis.description {
-            Description::Actuator(_) => Self::CaseFile,
-            Description::Body(_) => Self::Program,
-            Description::Model(..) if is_deck(&analysis.path) => Self::Deck,
-            Description::Model(model, _) => match &model.model {
-                None => Self::ActuatorModel,
-                Some(source) if is_deck(source.file.as_ref()) => Self::DeckModel,
-                Some(_) => Self::MeshModel,
-            },
+    /// What is advised on an occasion, in words; without what this kind of file or this problem has not.
+    pub fn advice(self, occasion: Occasion, problem: &Problem) -> String {
+        let words: Vec<String> =
+            occasion.remedies().iter().filter_map(|&remedy| self.words(remedy, occasion, problem)).collect();
+        match &words[..] {
+            [] => String::new(),
+            [one] => one.clone(),
+            [one, other] => format!("{one}, or {other}"),
+            [most @ .., last] => format!("{}, or {last}", most.join(", ")),
         }
+    }
+
+    /// A remedy in words; `None` if this kind of file or this problem has it not.
+    pub fn words(self, remedy: Remedy, occasion: Occasion, problem: &Problem) -> Option<String> {
+        let is_model = matches!(self, Self::ActuatorModel | Self::DeckModel | Self::MeshModel);
+        let is_actuator = matches!(self, Self::CaseFile | Self::ActuatorModel);
+        let words = match remedy {
+            Remedy::SmallerLoad if self == Self::CaseFile => "stay below this pressure".into(),
+            // Loads without a table of their own reach their full value at the last time, whichever that is.
+            Remedy::SmallerLoad => "lower the loads to what they are at this time".into(),
+            Remedy::ThickerWalls => "make what stretches thicker".into(),
+            Remedy::Stockier => "make what buckles there thicker or shorter (the last shape shows it)".into(),
+            Remedy::FittedConstants => {
+                "use constants that were fitted to larger stretches (`pneuflex fit` prints the range in which a set is stable)".into()
+            }
+            Remedy::Hold => self.hold().into(),
+            Remedy::TouchAtRest => "let the part touch what is to hold it from the beginning".into(),
+            Remedy::SmallerSteps => format!("take smaller steps ({})", self.steps()),
+            Remedy::FinerMesh if is_actuator => {
+                "use a finer mesh (mesh.resolution = \"standard\" or \"fine\", or a smaller mesh.size)".into()
+            }
+            Remedy::FinerMesh => "use a finer mesh, with two elements or more across walls".into(),
+            Remedy::BetterElements => self.better_elements(problem)?.into(),
+            Remedy::Isochoric => {
+                let is_full = |material: &&Material| material.invariant == Invariant::Full;
+                problem.materials().0.iter().find(|material| is_full(material))?;
+                self.isochoric()?.into()
+            }
+            Remedy::OtherStiffness => self.contact_stiffness("try half or twice", problem)?,
+            Remedy::StifferContact => self.contact_stiffness("raise", problem)?,
+            Remedy::StifferObstacle if self == Self::Program => "raise the stiffness of the obstacle".into(),
+            // A deck has no obstacles, a case and a model have tables of them.
+            Remedy::StifferObstacle => "raise the stiffness of the [[obstacle]]".into(),
+            Remedy::PenetrationTolerance if self == Self::CaseFile => "set contact.penetration_tolerance".into(),
+            Remedy::MultiPoint if self == Self::CaseFile => "set contact.method = \"multi-point\"".into(),
+            Remedy::SelfContact if self == Self::CaseFile => "set contact.self_contact = true".into(),
+            Remedy::SelfContact if self == Self::ActuatorModel => {
+                "add a [[contact]] with slave = \"outer\" and master = \"outer\"".into()
+            }
+            Remedy::PumpVolume if problem.cavities.is_empty() => return None,
+            Remedy::PumpVolume => self.pump().into(),
+            Remedy::PrescribeMotion => self.drive().into(),
+            Remedy::Memory => {
+                "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)".into()
+            }
+            Remedy::Equations => "mend what the message names".into(),
+            Remedy::ErrorBars if self == Self::CaseFile => "let `pneuflex converge` give error bars".into(),
+            Remedy::BetterShapes if is_actuator => {
+                "take hexahedra (mesh.element = \"hex27\"), or a smaller mesh.edge_size".into()
+            }
+            Remedy::BetterShapes => "improve the mesh (Gmsh: Mesh.Optimize, or another size)".into(),
+            Remedy::WholeBody if is_actuator => "if there is only one, set actuator.part = \"whole\"".into(),
+            Remedy::WholeBody => "if there is only one, model the whole body, without the [[support]] of symmetry".into(),
+            Remedy::MoveProbe => "put it on the body at rest".into(),
+            Remedy::Lengths if matches!(self, Self::DeckModel | Self::MeshModel) => {
+                "lengths are in mm: model.scale = 1000 takes a mesh in metres".into()
+            }
+            Remedy::Lengths if self == Self::Deck => {
+                "lengths are in mm: a deck in metres must be converted, its moduli and loads too".into()
+            }
+            Remedy::Lengths => "lengths are in mm".into(),
+            Remedy::Moduli => "if that is not what is meant: moduli are in MPa (1 kPa is 0.001, 1 Pa is 0.000001)".into(),
+            Remedy::Densities if self == Self::Deck => "*DENSITY is in t/mm3, 1.1e-9 for silicone".into(),
+            Remedy::Densities => "density is in g/cm3, 1.1 for silicone".into(),
+            Remedy::BulkModulus => {
+                let key = if self == Self::Deck { "give D1 of *HYPERELASTIC" } else { "set bulk_modulus" };
+                format!(
+                    "{key}: the default keeps rubber's ratio to the shear modulus; stiff layers of paper, fabric or plastic have one to \
+                     five times their shear modulus"
+                )
+            }
+            Remedy::Pressures if occasion == Occasion::HardlyMoves => "pressures are in kPa, lengths in mm".into(),
+            Remedy::Pressures if self == Self::Deck => "pressures are in MPa, as moduli are".into(),
+            Remedy::Pressures if self == Self::Program => "mind the unit: moduli are in MPa".into(),
+            Remedy::Pressures => "pressures are in kPa; moduli are in MPa".into(),
+            Remedy::Accelerations if is_model => {
+                "gravity.acceleration is in mm/s2: [0, 0, -9810] with z upwards".into()
+            }
+            Remedy::Accelerations => "accelerations are in mm/s2: 9810 on earth".into(),
+            Remedy::MultiPoint if is_model => "set method = \"multi-point\" in its [[contact]]".into(),
+            Remedy::PenetrationTolerance | Remedy::MultiPoint | Remedy::SelfContact | Remedy::ErrorBars => return None,
+        };
+        Some(words)
     }
 
     /// How a part is held.
@@ -49,63 +129,66 @@ impl Vocabulary {
         }
     }
 
-    /// How load steps are made smaller.
-    pub fn smaller_steps(self) -> &'static str {
+    /// What makes load steps smaller.
+    fn steps(self) -> &'static str {
         match self {
-            Self::CaseFile => "smaller steps (solver.max_step_kpa, solver.first_step_kpa)",
+            Self::CaseFile => "solver.max_step_kpa, solver.first_step_kpa and solver.min_step_kpa",
             Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
-                "smaller steps (solver.max_step, solver.first_step)"
+                "solver.max_step, solver.first_step and solver.min_step"
             }
-            Self::Deck => "smaller steps (*STATIC, DIRECT with a small first increment)",
-            Self::Program => "smaller steps (Analysis::solver, max_step and first_step)",
+            Self::Deck => "the first, smallest and largest increment of *STATIC",
+            Self::Program => "max_step, first_step and min_step of Analysis::solver",
         }
     }
 
-    /// How the mesh is made finer.
-    pub fn finer_mesh(self) -> &'static str {
+    /// Elements of a higher order than those of the problem, if they can be chosen.
+    fn better_elements(self, problem: &Problem) -> Option<&'static str> {
+        let element = problem.formulation.element;
+        let is_best = element.num_nodes() == 27;
         match self {
-            Self::CaseFile | Self::ActuatorModel => "a finer mesh (mesh.resolution)",
-            Self::DeckModel | Self::MeshModel | Self::Deck | Self::Program => "a finer mesh of the body",
+            _ if is_best => None,
+            Self::CaseFile | Self::ActuatorModel => Some("take better elements (mesh.element = \"hex27\")"),
+            Self::DeckModel | Self::Deck if element.is_quadratic() => None,
+            Self::DeckModel | Self::Deck => Some("take quadratic bricks (C3D20)"),
+            Self::MeshModel | Self::Program => Some("take bricks of 27 nodes (in Gmsh: second order, complete)"),
         }
     }
 
-    /// How better elements are chosen.
-    pub fn better_elements(self) -> &'static str {
+    /// How the isochoric invariant is chosen.
+    fn isochoric(self) -> Option<&'static str> {
         match self {
-            Self::CaseFile | Self::ActuatorModel => "mesh.element = \"hex27\"",
-            Self::DeckModel | Self::Deck => "quadratic bricks (C3D20 or C3D27)",
-            Self::MeshModel | Self::Program => "quadratic bricks (of 20 or 27 nodes)",
+            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+                Some("take the isochoric invariant (material.invariant = \"isochoric\")")
+            }
+            // Laws of a deck have it.
+            Self::Deck => None,
+            Self::Program => Some("take Invariant::Isochoric"),
         }
     }
 
-    /// How contact is made softer or stiffer.
-    pub fn contact_stiffness(self, problem: &Problem) -> &'static str {
+    /// What is to be done with the stiffness of the contact.
+    fn contact_stiffness(self, what: &str, problem: &Problem) -> Option<String> {
         let has_pairs = !problem.contact_pairs.is_empty();
         let has_tables = problem.contact_pairs.iter().any(|pair| pair.stiffness.is_some());
-        match self {
-            Self::CaseFile if has_pairs => "half or twice the contact.stiffness",
-            Self::Deck => "half or twice the slope of *SURFACE BEHAVIOR",
-            Self::Program => "half or twice the stiffness of the contact",
-            _ if has_tables => "half or twice the stiffness of each [[contact]]",
-            _ if !problem.obstacles.is_empty() => "half or twice the stiffness of each [[obstacle]]",
-            _ => self.smaller_steps(),
-        }
-    }
-
-    /// How a material is made more compressible.
-    pub fn bulk_modulus(self) -> &'static str {
-        match self {
-            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => "a lower material.bulk_modulus",
-            Self::Deck => "a larger D1 of *HYPERELASTIC",
-            Self::Program => "a lower Material::bulk_modulus",
-        }
+        let of = match self {
+            Self::CaseFile if has_pairs => format!("contact.stiffness, which is {}", problem.contact.stiffness),
+            Self::Deck if has_pairs => "the slope of *SURFACE BEHAVIOR".into(),
+            Self::Program if has_pairs => "the stiffness of the contact".into(),
+            Self::ActuatorModel if has_pairs && !has_tables => {
+                "the stiffness of the gaps (a [[contact]] with slave = \"gap_1_left\", master = \"gap_1_right\", and so on)".into()
+            }
+            _ if has_tables => "the stiffness of each [[contact]]".into(),
+            _ if !problem.obstacles.is_empty() => "the stiffness of each [[obstacle]]".into(),
+            _ => return None,
+        };
+        Some(format!("{what} {of}"))
     }
 
     /// How air is pumped in by its volume instead of its pressure.
-    pub fn pump(self) -> &'static str {
+    fn pump(self) -> &'static str {
         match self {
             Self::CaseFile => {
-                "write the actuator into a model file, and pump a volume into its [[cavity]] (volume_mm3)"
+                "write the actuator into a model file, and pump a volume into its [[cavity]] (volume_mm3): a volume passes the limit"
             }
             Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
                 "pump a volume into the [[cavity]] (volume_mm3 instead of pressure_kpa): a volume passes the limit"
@@ -118,7 +201,7 @@ impl Vocabulary {
     }
 
     /// How a load of a given force is replaced by a motion.
-    pub fn drive(self) -> &'static str {
+    fn drive(self) -> &'static str {
         match self {
             Self::CaseFile => "write the actuator into a model file, and move it by a [[support]] with a displacement",
             Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
@@ -127,11 +210,6 @@ impl Vocabulary {
             Self::Deck => "move the loaded nodes by *BOUNDARY instead of loading them",
             Self::Program => "move the loaded nodes with Body::displace instead of loading them",
         }
-    }
-
-    /// What the last position on the load path is called.
-    pub fn position(self) -> &'static str {
-        if self == Self::CaseFile { "pressure" } else { "time" }
     }
 }
 
@@ -149,17 +227,9 @@ mod tests {
         Vocabulary::Program,
     ];
 
-    fn phrases(words: Vocabulary, problem: &Problem) -> Vec<&'static str> {
-        vec![
-            words.hold(),
-            words.smaller_steps(),
-            words.finer_mesh(),
-            words.better_elements(),
-            words.contact_stiffness(problem),
-            words.bulk_modulus(),
-            words.pump(),
-            words.drive(),
-        ]
+    /// Everything that can be advised.
+    fn phrases(words: Vocabulary, problem: &Problem) -> Vec<String> {
+        Occasion::ALL.iter().map(|&occasion| words.advice(occasion, problem)).collect()
     }
 
     /// What looks like a key: `table.name`.
@@ -194,7 +264,7 @@ mod tests {
                 Vocabulary::Deck | Vocabulary::Program => None,
             };
             for phrase in phrases(words, &problem) {
-                for key in keys(phrase) {
+                for key in keys(&phrase) {
                     let text = text.as_ref().unwrap_or_else(|| panic!("{words:?} has no keys: {phrase}"));
                     let mut study = Study::from_text("file.toml", text).unwrap();
                     study.set(key, value(key)).unwrap_or_else(|error| panic!("{words:?}: {key}: {error}"));

@@ -45,7 +45,7 @@ pub struct StressPoint {
     pub von_mises: f64,
     /// The invariant the energy depends on, less its value 3 at rest: I₁ − 3 or Ī₁ − 3.
     pub invariant_minus_3: f64,
-    /// Whether more strain takes more stress there (Drucker's condition), for laws without a limit of the invariant.
+    /// Whether more strain takes more stress there (Drucker's condition).
     pub is_stable: bool,
 }
 
@@ -91,9 +91,7 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
     let mesh = &problem.mesh;
     let (materials, material_of) = problem.materials();
     let laws: Vec<_> = materials.iter().map(|material| ElementMaterial::new(material, problem.formulation)).collect();
-    // Where there is a limit of the invariant, it is said by that.
-    let gives_way = |material: &&Material| material.law.may_give_way() && material_limit(material).is_none();
-    let may_give_way: Vec<bool> = materials.iter().map(gives_way).collect();
+    let may_give_way: Vec<bool> = materials.iter().map(|material| material.law.may_give_way()).collect();
     let element_table = ReferenceElement::new(problem.formulation);
     let (deviatoric, volumetric) = (&element_table.deviatoric, &element_table.volumetric);
     let modes_at = |point: &IntegrationPoint| -> [f64; 4] {
@@ -266,7 +264,7 @@ impl StressField {
         self.points.chunks(self.points_per_element.max(1)).enumerate().flat_map(in_element).collect()
     }
 
-    /// Integration points at which more strain takes less stress, by laws without a limit of the invariant: element and point.
+    /// Integration points at which more strain takes less stress: element and point.
     pub fn unstable(&self) -> Vec<(usize, &StressPoint)> {
         let per_element = self.points_per_element.max(1);
         let unstable = self.points.iter().enumerate().filter(|(_, point)| !point.is_stable);

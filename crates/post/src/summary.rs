@@ -86,6 +86,9 @@ pub struct StepSummary {
     /// What to be careful about; left out if there is nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// How the contact misses the depth that it was to be solved to; left out if it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unmet_tolerance: Option<String>,
     /// Motions by which the mesh, and not the body, is unstable; left out if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_instability: Option<String>,
@@ -272,7 +275,8 @@ pub fn describe(
             .collect(),
         strain_energy_mj: whole(stress.strain_energy),
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
-        warning: joined([material_warning(problem, &stress), state.contact_failure.map(contact_warning)]),
+        warning: material_warning(problem, &stress),
+        unmet_tolerance: state.contact_failure.map(str::to_owned),
         mesh_instability: None,
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
@@ -287,15 +291,6 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
     problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
 }
 
-fn contact_warning(failure: &str) -> String {
-    format!("walls press into each other by more than contact.penetration_tolerance: {failure}")
-}
-
-fn joined(warnings: [Option<String>; 2]) -> Option<String> {
-    let all: Vec<String> = warnings.into_iter().flatten().collect();
-    (!all.is_empty()).then(|| all.join("; "))
-}
-
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_limit(problem);
     let worst = stress::first_largest(beyond.iter(), |(_, point, _)| point.invariant_minus_3);
@@ -308,7 +303,7 @@ fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<S
     ))
 }
 
-/// For laws without a limit of the invariant.
+/// Below a limit of the invariant, or for laws without one.
 fn instability_warning(stress: &stress::StressField) -> Option<String> {
     let unstable = stress.unstable();
     let (_, worst) = stress::first_largest(unstable.iter(), |(_, point)| point.invariant_minus_3)?;

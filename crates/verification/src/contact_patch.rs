@@ -14,14 +14,16 @@ use crate::yeoh::root;
 /// See [`crate::Section::text`].
 pub const TEXT: &str = "\
 Two blocks of 2 × 2 × 1 mm with different lattices across the contact (slave n × n, master (n + 1) × (n + 1) cells), on planes of symmetry, are \
-pressed together by 0.2 mm (multiple-point penalty, k = 20 N/mm³, κ = 1000 MPa). The exact state is homogeneous: both heights shrink to the stretch \
+pressed together by 0.2 mm (k = 20 N/mm³, κ = 1000 MPa). The exact state is homogeneous: both heights shrink to the stretch \
 s at which 2 (1 − s) 1 mm + p/k is the way, p being the nominal pressure of the bar. Quantities are p, MPa, and the largest \
-deviation of σ_zz from its mean over all integration points, relative to it. Matching faces pass to rounding. Faces that do not match \
-pass in the mean only: the pressure on the slave is uniform, but the master's nodal forces are sums over the slave's 4 × 4 points, which \
+deviation of σ_zz from its mean over all integration points, relative to it. *Mortar* contact (averaged gaps, theory §5.9) passes to rounding on \
+every element, also where the slave's faces are skewed (their middle moved by (0.2, −0.1) mm); skewed `hex8-sri` has forces of its own there: the \
+one point of its volumetric part does not integrate a uniform pressure. *Points* (multiple-point contact, theory §5.4) pass to rounding on matching faces; faces that do not match pass \
+in the mean only: the pressure on the slave is uniform, but the master's nodal forces are sums over the slave's 4 × 4 points, which \
 do not integrate the master's shape functions exactly where they have kinks (El-Abbasi & Bathe 2001, *Comput. Struct.* 79). For one slave \
-face on two quadratic master faces these sums are off by 13 to 38 % at the nodes, and the stresses next to the faces follow them. A penalty with the slave's \
-own points cannot pass this test; a mortar method could. The deviation is therefore reported without a bound. The meshes of `tet10` avoid \
-2² on 3²: there the centroids of the slave's triangles, which are contact points, lie exactly on edges between master faces, whose normals \
+face on two quadratic master faces these sums are off by 13 to 38 % at the nodes, and the stresses next to the faces follow them. Their deviation is \
+reported without a bound. The meshes of `tet10` avoid \
+2² on 3² with points: there the centroids of the slave's triangles, which are contact points, lie exactly on edges between master faces, whose normals \
 differ once they bend, and Newton's method does not settle.";
 
 const STIFFNESS: f64 = 20.0;
@@ -76,7 +78,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
                 ));
             }
         }
-        let even = if meshes[0] % 2 == 0 { meshes[0] } else { 2 };
+        let even = if meshes[0].is_multiple_of(2) { meshes[0] } else { 2 };
         let skewed = Meeting { method: ContactMethod::Mortar, slave: even, master: even + 1, skew: [0.2, -0.1] };
         rows.push(
             Row::sequence(

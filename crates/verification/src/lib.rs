@@ -17,11 +17,13 @@
 //! * [`crushed`]: a cylinder crushed between plates, and by a block.
 //!
 //! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
-//! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`).
+//! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`). [`advice`] is tried here, whatever the program
+//! gives.
 //!
 //! Exact solutions are those of incompressible Yeoh material and are derived where they are used; [`yeoh`] has its own formulas
 //! for the energy. Units: mm, N, MPa.
 
+pub mod advice;
 pub mod balloon;
 pub mod bending;
 pub mod body;

@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use pneuflex::{Event, Study};
-use pneuflex_verification::{Effort, known_cases, run, table};
+use pneuflex_verification::{Effort, advice, known_cases, run, table};
 
 #[test]
 fn the_coarsest_meshes_are_within_their_bounds() {
@@ -19,6 +19,15 @@ fn known_cases_are_right() {
     let wrong: Vec<_> =
         known_cases::run(Effort::Quick, &|_| {}).into_iter().filter(|case| case.verdict.is_err()).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Whatever is advised was tried on an input, and helps; `cargo xtask cases` tries what takes minutes, too.
+#[test]
+fn advice_helps() {
+    let tried =
+        advice::run(Effort::Quick, &|tried| println!("{:5.1} s {}: {:?}", tried.seconds, tried.name, tried.verdict));
+    let useless: Vec<_> = tried.into_iter().filter(|tried| tried.verdict.is_err()).collect();
+    assert!(useless.is_empty(), "{useless:#?}");
 }
 
 /// The guess of a step knows what a moving obstacle has just reached, from the equilibrium alone: a run that goes on from a checkpoint makes the

@@ -1,6 +1,7 @@
 //! `cargo xtask corpus`: random designs, or the case files of a folder, through the real program; how many converge or end for a
 //! physical reason.
 
+mod contact;
 mod design;
 mod outcome;
 
@@ -13,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use design::{Design, latin_hypercube};
+use design::Design;
 use outcome::{Outcome, Remains, judge};
 
 use crate::program;
@@ -28,12 +29,15 @@ struct Arguments {
     jobs: usize,
     only: Vec<usize>,
     cases: Option<PathBuf>,
+    has_contact: bool,
 }
 
 /// A case to be run.
 struct Job {
     name: String,
     text: String,
+    /// Thickness of the thinnest wall, mm.
+    thinnest_wall: f64,
 }
 
 /// A case's run.
@@ -42,6 +46,8 @@ struct Record {
     outcome: Outcome,
     seconds: f64,
     iterations: u64,
+    /// Load steps that were accepted.
+    steps: u64,
 }
 
 pub fn run(arguments: &[String]) -> ExitCode {
@@ -57,10 +63,21 @@ pub fn run(arguments: &[String]) -> ExitCode {
 
 fn parse(arguments: &[String]) -> Result<Arguments, String> {
     let jobs = thread::available_parallelism().map_or(1, usize::from);
-    let mut parsed =
-        Arguments { count: 200, seed: 1, limit: Duration::from_secs(300), jobs, only: Vec::new(), cases: None };
+    let mut parsed = Arguments {
+        count: 200,
+        seed: 1,
+        limit: Duration::from_secs(300),
+        jobs,
+        only: Vec::new(),
+        cases: None,
+        has_contact: false,
+    };
     let mut rest = arguments.iter();
     while let Some(name) = rest.next() {
+        if name == "--contact" {
+            parsed.has_contact = true;
+            continue;
+        }
         let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;
         let number = || value.parse::<u64>().map_err(|_| format!("{name} {value}: expected a whole number"));
         match name.as_str() {
@@ -86,6 +103,7 @@ fn corpus(arguments: &Arguments) -> Result<bool, String> {
     let program = program::build(&root)?;
     let (jobs, part) = match &arguments.cases {
         Some(cases) => (case_files(cases)?, "cases".to_owned()),
+        None if arguments.has_contact => (problems(arguments), format!("contact_{}", arguments.seed)),
         None => (designs(arguments), format!("seed_{}", arguments.seed)),
     };
     if jobs.is_empty() {
@@ -117,10 +135,30 @@ fn corpus(arguments: &Arguments) -> Result<bool, String> {
 
 /// The designs asked for.
 fn designs(arguments: &Arguments) -> Vec<Job> {
-    let wanted = |design: &Design| arguments.only.is_empty() || arguments.only.contains(&design.number);
-    let all = latin_hypercube(arguments.count, arguments.seed);
-    let job = |design: Design| Job { name: format!("design_{:03}", design.number), text: design.case() };
-    all.into_iter().filter(wanted).map(job).collect()
+    let job = |design: &Design| Job {
+        name: format!("design_{:03}", design.number),
+        text: design.case(),
+        thinnest_wall: design.draw(1.0, 1.0).thinnest_wall,
+    };
+    let all = design::designs(arguments.count, arguments.seed);
+    all.iter().filter(|design| arguments.wants(design.number)).map(job).collect()
+}
+
+/// The problems of contact asked for.
+fn problems(arguments: &Arguments) -> Vec<Job> {
+    let all = contact::problems(arguments.count, arguments.seed);
+    let job = |contact::Problem { number, text, thinnest_wall }| Job {
+        name: format!("contact_{number:03}"),
+        text,
+        thinnest_wall,
+    };
+    all.into_iter().filter(|problem| arguments.wants(problem.number)).map(job).collect()
+}
+
+impl Arguments {
+    fn wants(&self, number: usize) -> bool {
+        self.only.is_empty() || self.only.contains(&number)
+    }
 }
 
 /// The case files of a folder.
@@ -131,7 +169,9 @@ fn case_files(folder: &Path) -> Result<Vec<Job>, String> {
         let path = entry.map_err(words)?.path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            jobs.push(Job { name, text: fs::read_to_string(&path).map_err(words)? });
+            let text = fs::read_to_string(&path).map_err(words)?;
+            let case: pneuflex::model::Case = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+            jobs.push(Job { name, text, thinnest_wall: case.actuator.thinnest_wall() });
         }
     }
     jobs.sort_by(|a, b| a.name.cmp(&b.name));
@@ -139,7 +179,7 @@ fn case_files(folder: &Path) -> Result<Vec<Job>, String> {
 }
 
 fn line(record: &Record) -> String {
-    let Record { name, outcome, seconds, iterations } = record;
+    let Record { name, outcome, seconds, iterations, .. } = record;
     let outcome = match outcome {
         Outcome::Converged => "converged".to_owned(),
         Outcome::Physical(kind) => format!("ended: {kind}"),
@@ -166,28 +206,38 @@ fn report(records: &[Record]) -> bool {
     let failed: Vec<String> = records
         .iter()
         .filter(|record| matches!(record.outcome, Outcome::Failed(_)))
-        .map(|record| record.name.trim_start_matches("design_").to_owned())
+        .map(|record| record.name.trim_start_matches(|c: char| !c.is_ascii_digit()).to_owned())
         .collect();
     if !failed.is_empty() {
         println!("failed: {}", failed.join(","));
     }
     let rate = 1.0 - failed.len() as f64 / records.len().max(1) as f64;
-    let mut seconds: Vec<f64> = records.iter().map(|record| record.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
-    let quantile = |share: f64| seconds.get((share * (seconds.len() as f64 - 1.0)) as usize).copied().unwrap_or(0.0);
+    let quantiles = |values: Vec<f64>| {
+        let mut sorted = values;
+        sorted.sort_by(f64::total_cmp);
+        [0.5, 1.0].map(|share: f64| {
+            sorted.get((share * (sorted.len() as f64 - 1.0)).max(0.0) as usize).copied().unwrap_or(0.0)
+        })
+    };
+    let seconds = quantiles(records.iter().map(|record| record.seconds).collect());
+    let converged = records.iter().filter(|record| record.outcome == Outcome::Converged && record.steps > 0);
+    let per_step = quantiles(converged.map(|record| record.iterations as f64 / record.steps as f64).collect());
     println!(
-        "{:.1} % converge or end for a physical reason (bar: {:.0} %); median {:.1} s, longest {:.1} s",
+        "{:.1} % converge or end for a physical reason (bar: {:.0} %); seconds: median {:.1}, most {:.1}; iterations per accepted step \
+         of the converged: median {:.1}, most {:.1}",
         100.0 * rate,
         100.0 * BAR,
-        quantile(0.5),
-        quantile(1.0)
+        seconds[0],
+        seconds[1],
+        per_step[0],
+        per_step[1],
     );
     rate >= BAR
 }
 
 fn try_case(program: &Path, folder: &Path, job: &Job, limit: Duration) -> Record {
     let began = Instant::now();
-    let remains = run_case(program, &folder.join(&job.name), &job.text, limit);
+    let remains = run_case(program, &folder.join(&job.name), job, limit);
     let summary: serde_json::Value = remains
         .as_ref()
         .ok()
@@ -198,15 +248,15 @@ fn try_case(program: &Path, folder: &Path, job: &Job, limit: Duration) -> Record
         outcome: remains.map_or_else(Outcome::Failed, |remains| judge(&remains)),
         seconds: began.elapsed().as_secs_f64(),
         iterations: summary["iterations_total"].as_u64().unwrap_or(0),
+        steps: summary["steps"].as_array().map_or(0, |all| all.iter().filter_map(|s| s["load_steps"].as_u64()).sum()),
     }
 }
 
 /// Writes a case and lets the program solve it with one thread.
-fn run_case(program: &Path, stem: &Path, text: &str, limit: Duration) -> Result<Remains, String> {
+fn run_case(program: &Path, stem: &Path, job: &Job, limit: Duration) -> Result<Remains, String> {
     let words = |what: &str, e: std::io::Error| format!("{}: {what}: {e}", stem.display());
-    let case: pneuflex::model::Case = toml::from_str(text).map_err(|e| e.to_string())?;
     let (file, out): (PathBuf, PathBuf) = (stem.with_extension("toml"), stem.to_owned());
-    fs::write(&file, text).map_err(|e| words("case", e))?;
+    fs::write(&file, &job.text).map_err(|e| words("case", e))?;
     let messages = stem.with_extension("log");
     let log = File::create(&messages).map_err(|e| words("log", e))?;
     // An older summary must not be taken for this run's.
@@ -235,6 +285,6 @@ fn run_case(program: &Path, stem: &Path, text: &str, limit: Duration) -> Result<
         is_late: status.is_none(),
         messages: fs::read_to_string(&messages).unwrap_or_default(),
         summary: fs::read_to_string(out.join("summary.json")).ok(),
-        thinnest_wall: case.actuator.thinnest_wall(),
+        thinnest_wall: job.thinnest_wall,
     })
 }

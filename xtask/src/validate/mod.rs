@@ -180,6 +180,7 @@ fn runs(extent: Extent) -> Vec<Run> {
             runs.extend(Method::BOTH.map(|method| Run::standard(body, mesh, method)));
         }
     }
+    runs.extend(extent.rod_meshes().into_iter().map(|mesh| Run::standard(Body::Actuator, mesh, Method::Multiple)));
     runs.extend(statements::extra_runs(extent));
     let mut once: Vec<Run> = Vec::new();
     for run in runs {

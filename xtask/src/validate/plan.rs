@@ -174,7 +174,7 @@ impl Run {
 pub enum Extent {
     /// Every mesh and every statement.
     Full,
-    /// For CI: the actuator on one mesh, fewer pressures along the path, sensitivities on a coarse mesh.
+    /// For CI: the actuator on one mesh, fewer pressures along the path, rod and sensitivities on a coarse mesh.
     Quick,
 }
 
@@ -192,6 +192,14 @@ impl Extent {
         match self {
             Self::Full => vec![COARSE, REFINED, FINE, TRILINEAR],
             Self::Quick => vec![COARSE, REFINED, TRILINEAR],
+        }
+    }
+
+    /// Meshes on which rods are identified.
+    pub fn rod_meshes(self) -> Vec<Mesh> {
+        match self {
+            Self::Full => self.meshes(Body::Actuator),
+            Self::Quick => vec![TRILINEAR_COARSE],
         }
     }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use super::plan::{Body, Extent, Mesh, Method, PRESSURES};
+use super::plan::{Body, Extent, Mesh, Method, PRESSURES, TRILINEAR_COARSE};
 use super::record::{Statement, on};
 use super::runner::Runner;
 use super::shapes::tip_distance;
@@ -76,13 +76,8 @@ pub struct RodResult {
 
 /// Rough seconds for the identification.
 pub fn expected_s(extent: Extent) -> f64 {
-    let per_mesh = |mesh: &Mesh| 18.0 * (4.5 / mesh.size).powf(1.5);
-    meshes(extent).iter().map(per_mesh).sum()
-}
-
-/// Meshes on which rods are identified.
-fn meshes(extent: Extent) -> Vec<Mesh> {
-    extent.meshes(Body::Actuator)
+    let per_mesh = |mesh: &Mesh| if *mesh == TRILINEAR_COARSE { 4.0 } else { 18.0 * (4.5 / mesh.size).powf(1.5) };
+    extent.rod_meshes().iter().map(per_mesh).sum()
 }
 
 /// Identifies a rod on every mesh.
@@ -90,7 +85,7 @@ fn meshes(extent: Extent) -> Vec<Mesh> {
 /// # Errors
 /// A program that fails, or a file that cannot be read.
 pub fn identify(extent: Extent, runner: &Runner, solutions: &Solutions) -> Outcome<Vec<RodResult>> {
-    let all = meshes(extent);
+    let all = extent.rod_meshes();
     let share = expected_s(extent) / all.len() as f64;
     all.into_par_iter()
         .map(|mesh| {

@@ -4,6 +4,7 @@
 //! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`view`]: the commands.
 //! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
 //! * [`interrupted`]: runs that are killed, interrupted, robbed of their folder or started twice.
+//! * [`terminal`]: what is printed on a terminal.
 //! * [`guide`], [`manual`]: what is written about the program is true.
 
 // Helpers count as tests here.
@@ -22,4 +23,6 @@ mod rod;
 mod runs;
 mod stops;
 mod support;
+#[cfg(target_os = "linux")]
+mod terminal;
 mod view;

@@ -391,14 +391,27 @@ impl Build<'_> {
         let slave = self.facets(&format!("contact[{number}].slave"), &table.slave);
         let master = self.facets(&format!("contact[{number}].master"), &table.master);
         let stiffness = table.stiffness.unwrap_or_else(|| self.stiffness(&slave));
-        let is_known = self.problem.contact_pairs.iter().any(|pair| {
+        let known = self.problem.contact_pairs.iter_mut().find(|pair| {
             let both = [&pair.slave, &pair.master];
             !slave.is_empty() && (both == [&slave, &master] || both == [&master, &slave])
         });
-        if is_known {
-            let allowed =
-                "these surfaces are kept apart already: a second time would make their contact twice as stiff";
-            self.complain(&format!("contact[{number}].slave"), format!("{:?}", table.slave), allowed.into());
+        match known {
+            // The walls of an actuator's gaps are kept apart by themselves; a table says how stiffly.
+            Some(gap) if gap.stiffness.is_none() => {
+                let is_two_pass = table.two_pass;
+                let name = std::mem::take(&mut gap.name);
+                let (method, penetration_tolerance) = (table.method, table.penetration_tolerance);
+                let plain = ContactPair::new(name, slave, master);
+                let stiffness = Some(stiffness);
+                *gap = ContactPair { stiffness, is_two_pass, method, penetration_tolerance, ..plain };
+                return;
+            }
+            Some(_) => {
+                let allowed =
+                    "these surfaces are kept apart already: a second time would make their contact twice as stiff";
+                self.complain(&format!("contact[{number}].slave"), format!("{:?}", table.slave), allowed.into());
+            }
+            None => {}
         }
         if self.problem.contact.method == ContactMethod::None {
             self.problem.contact = Contact { stiffness, method: ContactMethod::Mortar, ..Contact::default() };

@@ -6,6 +6,7 @@ use super::{Converged, Path};
 use crate::checkpoint::Approach;
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure};
+use crate::globalisation::Tuning;
 use crate::history::ConvergedState;
 
 /// A last step that would leave a crumb takes it along.
@@ -54,7 +55,7 @@ impl Path {
         let is_at_rest = self.equilibrium.state.parameter <= LoadParameter::default();
         let step =
             if is_at_rest { self.settings.first_step.max(self.settings.min_step) } else { self.settings.max_step };
-        Approach { step, load_steps: 0, iterations_before: self.iterations }
+        Approach { step, rejected: None, load_steps: 0, iterations_before: self.iterations }
     }
 
     fn accept(
@@ -66,9 +67,8 @@ impl Path {
         observer: Observer<'_>,
     ) -> Result<(), Failure> {
         approach.load_steps += 1;
-        if converged.iterations <= self.tuning.easy_iterations {
-            approach.step = (2.0 * (attempt.wanted - attempt.start)).min(self.settings.max_step);
-        }
+        let is_easy = converged.iterations <= self.tuning.easy_iterations;
+        approach.after_accepted(attempt.wanted - attempt.start, is_easy, self.settings.max_step, &self.tuning);
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
@@ -103,7 +103,7 @@ impl Path {
         }
         observer(Event::StepRejected { step: self.step, parameter: attempted, cause: &cause });
         let least = self.settings.min_step;
-        approach.step = 0.5 * (attempted - start);
+        approach.after_rejected(attempted - start);
         if std::mem::take(&mut self.equilibrium.is_inexact) {
             // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
             self.confirm(observer);
@@ -121,5 +121,52 @@ impl Path {
         }
         self.tell_of_going_back(start, approach, observer);
         Ok(())
+    }
+}
+
+impl Approach {
+    /// Chooses the step after one of a size that was accepted: the same, or twice as large after an `is_easy` one.
+    fn after_accepted(&mut self, size: f64, is_easy: bool, max_step: f64, tuning: &Tuning) {
+        if is_easy {
+            self.step = (2.0 * size).min(max_step);
+        }
+        // What was too long just before is hardly right now.
+        if let Some(rejected) = &mut self.rejected {
+            self.step = self.step.min(tuning.step_after_rejection * *rejected);
+            *rejected *= tuning.forgetting;
+        }
+    }
+
+    /// Halves a size that was rejected.
+    fn after_rejected(&mut self, size: f64) {
+        self.step = 0.5 * size;
+        self.rejected = Some(size);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_that_was_rejected_is_not_tried_again_at_once() {
+        let tuning = Tuning::default();
+        let mut approach = Approach { step: 1.0, rejected: None, load_steps: 0, iterations_before: 0 };
+        approach.after_accepted(1.0, true, 10.0, &tuning);
+        assert_eq!(approach.step, 2.0);
+        approach.after_rejected(2.0);
+        assert_eq!(approach.step, 1.0);
+        let mut tried = Vec::new();
+        for _ in 0..6 {
+            approach.after_accepted(approach.step, true, 10.0, &tuning);
+            tried.push(approach.step);
+        }
+        assert!(tried[0] < 1.5 && tried.is_sorted(), "{tried:?}");
+        // It is forgotten by and by.
+        assert!(tried[1] < 2.0 && tried[5] > 3.0, "{tried:?}");
+        // A difficult step is not followed by a larger one.
+        let before = approach.step;
+        approach.after_accepted(before, false, 10.0, &tuning);
+        assert_eq!(approach.step, before);
     }
 }

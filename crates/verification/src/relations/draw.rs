@@ -341,10 +341,10 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
     let solid = (actuator.length(), actuator.width * actuator.height);
     let has_air = dice.chance(0.85);
     let count = dice.one_of(&[0, 0, 1]);
-    let gap_contacts = Vec::new();
     let mesh = mesh_options(dice, scale);
     let target = Target::new(extent, edge(&mesh));
-    Model {
+    let chambers = actuator.chambers;
+    let mut model = Model {
         title: title(dice),
         model: None,
         mesh,
@@ -369,7 +369,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         tractions: tractions(dice, "end_face", stiffness, end),
         pressures: pressures(dice, "bottom", stiffness, end),
         gravity: gravity(dice, &material, end),
-        contacts: gap_contacts,
+        contacts: Vec::new(),
         obstacles: (0..count)
             .map(|i| {
                 let table = obstacle(dice, &target, &format!("obstacle {i}"), Some("bottom".into()));
@@ -382,7 +382,12 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         output: Output { fields: dice.chance(0.8) },
         material: if dice.chance(0.8) { Some(material) } else { None },
         actuator: Some(actuator),
+    };
+    // How stiffly the walls of the first gap are kept apart.
+    if chambers > 1 {
+        model.contacts = dice.maybe(0.3, |dice| contact_table(dice, "gap_1_left", "gap_1_right")).into_iter().collect();
     }
+    model
 }
 
 /// An obstacle of a model file, which may move up by a length.

@@ -87,7 +87,8 @@ fn in_memory(model: &Model, body: &Body) -> Result<Analysis, Error> {
     built.analysis()
 }
 
-fn recorded(Body { mesh, formulation }: &Body) -> String {
+/// A body as the file that a result folder has it in.
+pub(crate) fn recorded(Body { mesh, formulation }: &Body) -> String {
     let faces: BTreeMap<&String, Vec<(u32, u8)>> = (mesh.facet_sets.iter())
         .map(|(name, facets)| (name, facets.iter().map(|facet| (facet.element, facet.face)).collect()))
         .collect();

@@ -7,6 +7,7 @@
 //! * [`draw`]: random problems. Tables are written out key by key: the compiler asks whoever adds one.
 //! * [`form`]: one problem as case or model file, deck, mesh, in memory.
 //! * [`frame`]: turned, mirrored, in other units.
+//! * [`meshes`]: the whole of a half, finer meshes, other elements.
 //! * [`rewrite`]: the relations.
 //! * [`outcome`]: what becomes of a problem, and whether two outcomes agree.
 //! * [`shrink`]: making a problem smaller.
@@ -16,6 +17,7 @@
 pub mod draw;
 pub mod form;
 pub mod frame;
+pub mod meshes;
 pub mod outcome;
 pub mod rewrite;
 pub mod shrink;
