@@ -4,8 +4,9 @@ use pneuflex_mesh::LENGTHS;
 use pneuflex_model::{CaseError, Probe, Problem};
 use pneuflex_post::contact;
 
-/// Depth by which rounding may make an obstacle that just touches overlap the body, mm.
-const MOST_OVERLAP: f64 = 1e-9;
+/// Share of the nodes' spacing by which an obstacle that just touches may overlap the body: by rounding, and where a curved face bulges
+/// between its nodes. The first step presses the body out of it.
+const MOST_OVERLAP: f64 = 1e-3;
 
 /// What is this close to a plane, relative to the body's extent, lies in it.
 const CLOSE: f64 = 1e-6;
@@ -41,9 +42,13 @@ fn overlap(problem: &Problem) -> Option<CaseError> {
         return None;
     }
     let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
-    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > MOST_OVERLAP;
+    let most = MOST_OVERLAP * problem.mesh.mean_node_spacing();
+    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > most;
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
-    let allowed = format!("it overlaps the body at rest by {:.4} mm", found.max_penetration_mm);
+    let allowed = format!(
+        "it overlaps the body at rest by {:.4} mm; put it beside the body, and let it move there (displacement in a model file)",
+        found.max_penetration_mm
+    );
     Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
 }
 
@@ -91,6 +96,27 @@ fn far_probes(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rounding, and curved faces that bulge between their nodes, are no reason not to start.
+    #[test]
+    fn an_obstacle_may_overlap_by_a_share_of_an_element_and_the_path_begins() {
+        let at = |height: f64| {
+            let plane = format!(
+                "\n[[obstacle]]\nname = \"table\"\nshape = \"plane\"\nfaces = \"bottom\"\nnormal = [0, 0, 1]\npoint = [0, 0, {height}]\n"
+            );
+            let mut study = crate::Study::from_text("case.toml", &(crate::template::two_chambers() + &plane)).unwrap();
+            let quick = [("mesh.size", "3"), ("mesh.element", "hex8-q1p0"), ("load.pressure_kpa", "[5]")];
+            study.set_all(quick.map(|(key, value)| crate::Change::new(key, value))).unwrap();
+            study.build()
+        };
+        let tip = |height: f64| at(height).unwrap().solve().unwrap().states[0].probes["tip"][2];
+        let (beside, touching, overlapping) = (tip(-1e-9), tip(0.0), tip(1e-4));
+        assert!(
+            (touching - beside).abs() < 1e-6 && (overlapping - touching).abs() < 2e-3,
+            "{beside} {touching} {overlapping}"
+        );
+        assert!(at(0.1).unwrap_err().to_string().contains("overlaps the body at rest by 0.1000 mm"));
+    }
 
     #[test]
     fn a_body_beyond_all_lengths_is_refused() {

@@ -253,6 +253,11 @@ mod tests {
         let value = |key: &str| match key {
             "mesh.resolution" => "draft",
             "mesh.element" => "hex27",
+            "contact.method" => "multi-point",
+            "contact.self_contact" => "true",
+            "material.invariant" => "isochoric",
+            "actuator.part" => "whole",
+            "gravity.acceleration" => "[0, 0, -9810]",
             _ => "0.5",
         };
         let mut named = 0;

@@ -5,6 +5,7 @@
 //! * [`eigenvalues`]: rigid motions are the only ones without energy; inf-sup constants.
 //! * [`elements`]: patch tests and rigid motions.
 //! * [`global`]: the assembler with contributions of integers ([`mock`]).
+//! * [`pattern`]: the tangent has room for what touches.
 //! * [`laws`]: bodies with a known answer, the frame, states that no law describes.
 
 // Helpers count as tests here.
@@ -17,3 +18,4 @@ mod elements;
 mod global;
 mod laws;
 mod mock;
+mod pattern;
