@@ -74,6 +74,15 @@ impl ContactForces {
         }
     }
 
+    /// Cuts surfaces along each other's edges at a displacement, the first of a solution.
+    fn cut(&mut self, displacement: &[[f64; 3]]) {
+        let points = self.model.num_points();
+        let Some((cuts, at)) = self.stored[points..].split_first_mut() else { return };
+        *cuts = 1.0;
+        at.copy_from_slice(displacement.as_flattened());
+        self.model.cut(&self.mesh.deformed(displacement));
+    }
+
     /// Touching pairs of faces at the position taken last.
     pub fn touching(&self) -> &[ContactBlock] {
         &self.touching.blocks
@@ -185,6 +194,10 @@ impl Unilateral for ContactForces {
         let [before, after] = ends.map(|position| self.mesh.deformed(position.displacement));
         let passed = self.model.passed_through(ends.map(|position| position.parameter), [&before, &after]);
         passed.map(|obstacle| obstacle.name.clone())
+    }
+
+    fn begin_step(&mut self, displacement: &[[f64; 3]]) {
+        self.cut(displacement);
     }
 
     fn motions(&self) -> Vec<RigidMotion> {

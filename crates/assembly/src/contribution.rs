@@ -173,6 +173,10 @@ pub trait Unilateral {
     /// Name of what the body would have passed through on the straight way between two positions, if it would.
     fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String>;
 
+    /// A step begins at a displacement: what was chosen on the way to it is chosen there again. Then the step does not depend on that way,
+    /// and a resumed path goes on as it would have.
+    fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
+
     /// What its moving obstacles do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;
 

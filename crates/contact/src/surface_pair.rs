@@ -60,7 +60,10 @@ impl SurfacePair {
     /// at rest where that is larger, which is as far as a wall gets in a first guess without any contact; never more than half the
     /// master's extent, so that bodies far apart are not looked for behind each other.
     pub fn all_of(mesh: &Mesh, number: usize, pair: &ContactPair, contact: &Contact, first_point: usize) -> Vec<Self> {
-        let method = pair.method.unwrap_or(contact.method);
+        let method = match pair.method.unwrap_or(contact.method) {
+            ContactMethod::Mortar if pair.is_of_one_surface(mesh) => ContactMethod::MultiPoint,
+            method => method,
+        };
         let stiffness = pair.stiffness.unwrap_or(contact.stiffness);
         // Of two faces of one surface each is the other's slave.
         let is_shared = pair.is_two_pass || pair.is_self();

@@ -83,7 +83,7 @@ pub enum ContactMethod {
     /// 4 × 4 Gauss points of a slave face against their closest points on the master surface.
     MultiPoint,
     /// Gaps averaged around the corners of the slave's faces, integrated between the edges of the master's: faces that do not match transfer
-    /// a uniform pressure exactly.
+    /// a uniform pressure exactly. Surfaces with nodes in common are one that may touch itself: there as [`Self::MultiPoint`].
     Mortar,
 }
 

@@ -141,6 +141,12 @@ impl ContactPair {
     pub fn is_self(&self) -> bool {
         self.slave == self.master
     }
+
+    /// Whether the surfaces have nodes in common: then they are one that may touch itself.
+    pub fn is_of_one_surface(&self, mesh: &Mesh) -> bool {
+        let nodes = |facets: &[Facet]| facets.iter().flat_map(|&f| mesh.facet_nodes(f)).collect::<BTreeSet<u32>>();
+        !nodes(&self.slave).is_disjoint(&nodes(&self.master))
+    }
 }
 
 impl Problem {

@@ -126,9 +126,11 @@ fn nothing_hides_another_of_its_name() {
     // A table may say how an actuator's gap is kept apart, once.
     let gap = "[[contact]]\nslave = \"gap_1_right\"\nmaster = \"gap_1_left\"\n";
     assert_refused(&model(&two(gap)), "contact[1].slave", "already");
-    for (key, value, allowed) in
-        [("method", "\"none\"", "mortar or multi-point"), ("penetration_tolerance", "0.0", "greater than 0")]
-    {
+    for (key, value, allowed) in [
+        ("method", "\"none\"", "mortar or multi-point"),
+        ("method", "\"mortar\"", "nodes in common"),
+        ("penetration_tolerance", "0.0", "greater than 0"),
+    ] {
         let table = format!("[[contact]]\nslave = \"cavity\"\nmaster = \"cavity\"\n{key} = {value}\n");
         assert_refused(&model(&table), &format!("contact[0].{key}"), allowed);
     }

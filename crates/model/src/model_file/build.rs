@@ -419,8 +419,18 @@ impl Build<'_> {
         let penetration_tolerance = table.penetration_tolerance.or_else(|| self.tolerance(table.stiffness, &slave));
         let name = format!("{}-{}", table.slave, table.master);
         let pair = ContactPair::new(name, slave, master);
+        let is_of_one_surface = pair.is_of_one_surface(&self.problem.mesh);
+        if is_of_one_surface && table.method == Some(ContactMethod::Mortar) {
+            let allowed = "must be multi-point where the two surfaces have nodes in common: gaps are averaged between two surfaces only";
+            self.complain(&format!("contact[{number}].method"), "mortar".into(), allowed.into());
+        }
+        let default = if is_of_one_surface || self.actuator.is_some() {
+            ContactMethod::MultiPoint
+        } else {
+            ContactMethod::Mortar
+        };
         self.problem.contact_pairs.push(ContactPair {
-            method: table.method.or(self.actuator.is_none().then_some(ContactMethod::Mortar)),
+            method: Some(table.method.unwrap_or(default)),
             stiffness: Some(stiffness),
             penetration_tolerance,
             is_two_pass: table.two_pass,

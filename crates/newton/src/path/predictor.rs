@@ -20,6 +20,7 @@ impl Path {
     ) -> Result<Converged, Cause> {
         self.check_stop()?;
         let start = self.equilibrium.state.clone();
+        self.system.begin_step(&start);
         let (correction, iterations) = self.guess(&start, *aim)?;
         let state = self.shortened(&start, &correction, *aim)?;
         *aim = state.parameter;

@@ -580,10 +580,12 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
 }
 
 fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {
+    let method = dice.maybe(0.6, |dice| dice.one_of(&[ContactMethod::MultiPoint, ContactMethod::Mortar]));
     ContactTable {
         slave: slave.into(),
         master: master.into(),
-        method: dice.maybe(0.6, |dice| dice.one_of(&[ContactMethod::MultiPoint, ContactMethod::Mortar])),
+        // Refused where a surface meets itself.
+        method: method.filter(|method| slave != master || *method != ContactMethod::Mortar),
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
         penetration_tolerance: dice.maybe(0.2, |_| 0.01),
         two_pass: dice.chance(0.3),
