@@ -572,15 +572,34 @@ fn value(factor: Option<&Series>, time: f64, end: f64) -> f64 {
     if t == s { v } else { w + (v - w) * ((time - s) / (t - s)).min(1.0) }
 }
 
+/// A penalty for contact that has none of its own, N/mm³.
+const PLAIN_STIFFNESS: f64 = 3.0;
+
 /// A state does not know how the fluid got into it: the volume that a pressure gives has that pressure, and so has the amount of gas,
 /// m = (1 + p/p₀) (V/V₀)ⁿ (theory §4). The path there may end earlier under one than under the other.
 fn other_fluid(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
-    let (Draw::Model(old, body), problem, End::Reached) = (first.draw, first.problem()?, &first.outcome.end) else {
-        return None;
-    };
+    let Draw::Model(old, body) = first.draw else { return None };
     if old.cavities.is_empty() {
         return None;
     }
+    // Multipliers stop at a tolerance, and where they do depends on the way: both are solved without them.
+    let mut plain = (**old).clone();
+    for table in &mut plain.contacts {
+        (table.stiffness, table.penetration_tolerance) = (table.stiffness.or(Some(PLAIN_STIFFNESS)), None);
+    }
+    for table in &mut plain.obstacles {
+        (table.stiffness, table.penetration_tolerance) = (table.stiffness.or(Some(PLAIN_STIFFNESS)), None);
+    }
+    let draw = model(plain, body.as_ref());
+    let analysis = draw.analysis(Form::Text)?;
+    let outcome = Outcome::of(&analysis);
+    by_other_fluid(&First { draw: &draw, analysis: &analysis, outcome: &outcome }, dice)
+}
+
+fn by_other_fluid(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
+    let (Draw::Model(old, body), problem, End::Reached) = (first.draw, first.problem()?, &first.outcome.end) else {
+        return None;
+    };
     let which = dice.one_of(&(0..old.cavities.len()).collect::<Vec<usize>>());
     let table = &old.cavities[which];
     let state = first.outcome.states.last()?;
