@@ -28,7 +28,7 @@ pub struct Checked {
     pub verdict: Result<(), String>,
 }
 
-const ALL: [Known; 13] = [
+const ALL: [Known; 15] = [
     Known { file: "cases/gravity_y_half.toml", changes: &[], is_quick: true, check: wants_the_whole },
     Known {
         file: "cases/gravity_y_half.toml",
@@ -37,6 +37,18 @@ const ALL: [Known; 13] = [
         check: |outcome| close("tip, mm", last(&outcome)?.probes.get("tip").map(|u| u[1]), -1.258, 1e-3),
     },
     Known { file: "cases/obstacle_off_plane_half.toml", changes: &[], is_quick: true, check: wants_the_whole },
+    Known {
+        file: "cases/thin_walls.toml",
+        changes: &[],
+        is_quick: false,
+        check: |outcome| close("angle, degrees", last(&outcome)?.end_face_angle_deg, 7.65, 1e-3),
+    },
+    Known {
+        file: "cases/stiff_layer.toml",
+        changes: &[],
+        is_quick: false,
+        check: |outcome| close("angle, degrees", last(&outcome)?.end_face_angle_deg, 54.79, 1e-3),
+    },
     Known {
         file: "cases/obstacle_off_plane_half.toml",
         changes: &[("actuator.part", "whole")],
