@@ -61,24 +61,21 @@ impl ContactForces {
     /// and a few times after small corrections. From then on Newton's method has a fixed energy before it.
     fn cut_where_moved(&mut self, displacement: &[[f64; 3]]) {
         let points = self.model.num_points();
-        let Some((cuts, at)) = self.stored[points..].split_first_mut() else { return };
-        let moved =
-            displacement.as_flattened().iter().zip(at.iter()).fold(0.0, |most: f64, (u, v)| most.max((u - v).abs()));
+        let Some((&cuts, at)) = self.stored[points..].split_first() else { return };
+        let moved = displacement.as_flattened().iter().zip(at).fold(0.0, |most: f64, (u, v)| most.max((u - v).abs()));
         let is_small = moved <= CUT_AGAIN * self.spacing;
-        let is_due = *cuts == 0.0 || !is_small || (*cuts < MOST_FINE_CUTS && moved > CUT_FINER * self.spacing);
+        let is_due = cuts == 0.0 || !is_small || (cuts < MOST_FINE_CUTS && moved > CUT_FINER * self.spacing);
         if is_due {
             // The first one of a solution, and those after large corrections, leave all fine ones to come.
-            *cuts = if is_small { *cuts + 1.0 } else { 1.0 };
-            at.copy_from_slice(displacement.as_flattened());
-            self.model.cut(&self.positions);
+            self.cut(displacement, if is_small { cuts + 1.0 } else { 1.0 });
         }
     }
 
-    /// Cuts surfaces along each other's edges at a displacement, the first of a solution.
-    fn cut(&mut self, displacement: &[[f64; 3]]) {
+    /// Cuts surfaces along each other's edges at a displacement, where they are cut at all; so many times in this solution.
+    fn cut(&mut self, displacement: &[[f64; 3]], times: f64) {
         let points = self.model.num_points();
         let Some((cuts, at)) = self.stored[points..].split_first_mut() else { return };
-        *cuts = 1.0;
+        *cuts = times;
         at.copy_from_slice(displacement.as_flattened());
         self.model.cut(&self.mesh.deformed(displacement));
     }
@@ -197,7 +194,7 @@ impl Unilateral for ContactForces {
     }
 
     fn begin_step(&mut self, displacement: &[[f64; 3]]) {
-        self.cut(displacement);
+        self.cut(displacement, 1.0);
     }
 
     fn motions(&self) -> Vec<RigidMotion> {

@@ -638,7 +638,7 @@ const CURLED: Changes = &[
     ("actuator.chambers", "30"),
     ("actuator.base", "3"),
     ("actuator.channel", "{ half_width = 1.0, bottom = 1.2, top = 1.8 }"),
-    ("load.pressure_kpa", "[50]"),
+    ("load.pressure_kpa", "[46]"),
     ("probe", "[]"),
 ];
 const CURLED_AND_WATCHED: Changes =
