@@ -5,7 +5,7 @@
 //! So with v = v₀ + C x the derivatives are Cᵀ ∂e/∂v and Cᵀ ∂²e/∂v² C, where those of e(v) come from dual numbers.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use num_dual::{Dual2SVec64, DualNum, DualSVec64};
+use num_dual::{Dual64, DualNum, HyperDual64};
 
 /// A number that may carry derivatives: `f64` itself or any dual number over `f64`.
 pub trait Dual: DualNum<Primitive = f64> + Copy {}
@@ -97,17 +97,34 @@ impl<const N: usize, E: Energy<N>> Differentiable for Term<N, E> {
     }
 }
 
-/// e and ∂e/∂v at v.
+/// e and ∂e/∂v at v: the ε part of e(v + ε eᵢ).
 pub fn gradient_of<const N: usize>(energy: &impl Energy<N>, v: &SVector<f64, N>) -> (f64, SVector<f64, N>) {
-    num_dual::gradient(|v: SVector<DualSVec64<N>, N>| energy.energy(&v.into()), v)
+    let mut value = 0.0;
+    let gradient = SVector::from_fn(|i, _| {
+        let along = |k: usize| Dual64::new(v[k], if k == i { 1.0 } else { 0.0 });
+        let e = energy.energy(&std::array::from_fn(along));
+        value = e.re;
+        e.eps
+    });
+    (value, gradient)
 }
 
-/// e, ∂e/∂v and ∂²e/∂v² at v.
+/// e, ∂e/∂v and ∂²e/∂v² at v: the ε₁ε₂ part of e(v + ε₁ eᵢ + ε₂ eⱼ), pair by pair.
 pub fn hessian_of<const N: usize>(
     energy: &impl Energy<N>,
     v: &SVector<f64, N>,
 ) -> (f64, SVector<f64, N>, SMatrix<f64, N, N>) {
-    num_dual::hessian(|v: SVector<Dual2SVec64<N>, N>| energy.energy(&v.into()), v)
+    let (mut value, mut gradient, mut hessian) = (0.0, SVector::zeros(), SMatrix::zeros());
+    for i in 0..N {
+        for j in 0..=i {
+            let is = |k: usize, l: usize| if k == l { 1.0 } else { 0.0 };
+            let along = |k: usize| HyperDual64::new(v[k], is(k, i), is(k, j), 0.0);
+            let e = energy.energy(&std::array::from_fn(along));
+            (value, gradient[i]) = (e.re, e.eps1);
+            (hessian[(i, j)], hessian[(j, i)]) = (e.eps1eps2, e.eps1eps2);
+        }
+    }
+    (value, gradient, hessian)
 }
 
 /// a · b.
