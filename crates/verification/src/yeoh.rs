@@ -27,13 +27,15 @@ pub fn integrate(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         .sum()
 }
 
-/// The root of an increasing function between `low` and `high`, by bisection.
+/// The root of an increasing function between `low` and `high`, by bisection down to neighbouring numbers.
 pub fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..200 {
+    loop {
         let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
         if f(middle) < 0.0 { low = middle } else { high = middle }
     }
-    0.5 * (low + high)
 }
 
 /// First Piola–Kirchhoff stress, MPa; `[i][j]` belongs to ∂rᵢ/∂Xⱼ:
