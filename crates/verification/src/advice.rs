@@ -484,7 +484,7 @@ fn rows() -> Vec<Row> {
             Gone,
         ),
         row(O::Overlap, R::SelfContact, (TwoChambers, CURLED), (TwoChambers, CURLED_AND_WATCHED), Gone),
-        row(O::LinearElements, R::BetterElements, (TwoChambers, quick), (TwoChambers, &[("mesh.size", "2")]), Gone),
+        row(O::LinearElements, R::BetterElements, (TwoChambers, quick), (TwoChambers, &[("mesh.size", "3")]), Gone),
         row(
             O::LinearElements,
             R::FinerMesh,

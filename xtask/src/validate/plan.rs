@@ -22,6 +22,9 @@ pub const TRILINEAR: Mesh = Mesh { element: "hex8-sri", size: 1.0 };
 /// The same, coarser: for what does not depend on the mesh, or when time is short.
 pub const TRILINEAR_COARSE: Mesh = Mesh { element: "hex8-sri", size: 2.0 };
 
+/// One element across each wall: for what is only to be solved.
+pub const TRILINEAR_COARSEST: Mesh = Mesh { element: "hex8-sri", size: 4.0 };
+
 impl fmt::Display for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} mm", self.element, self.size)
@@ -216,7 +219,7 @@ impl Extent {
     pub fn sensitivity_mesh(self) -> Mesh {
         match self {
             Self::Full => COARSE,
-            Self::Quick => TRILINEAR_COARSE,
+            Self::Quick => TRILINEAR_COARSEST,
         }
     }
 
