@@ -37,6 +37,16 @@ pub enum Cause {
         /// Node with the largest residual.
         node: usize,
     },
+    /// Rounding leaves a larger residual than the tolerance allows: no correction makes it smaller.
+    #[error(
+        "rounding leaves a residual of {residual:.1e} N, which is {relative:.1e} of the forces, and no correction makes it smaller"
+    )]
+    Rounding {
+        /// Residual norm, N.
+        residual: f64,
+        /// The same as a share of what residuals are compared with.
+        relative: f64,
+    },
     /// The iteration ran away.
     #[error("the iteration diverged (correction {correction:.3e})")]
     Diverged {

@@ -144,7 +144,15 @@ pub struct Globalisation<'a> {
     norms: Vec<f64>,
     /// Fewest and most touching points of the last iterations.
     touching: (usize, usize),
+    /// The last correction of a new tangent, and how many of them in a row were below the tolerance and left the residual as it was.
+    stall: (Measures, usize),
 }
+
+/// New tangents in a row whose corrections are below the tolerance and leave the residual as it is, before that is called rounding.
+const STALLED: usize = 3;
+
+/// A residual that keeps more than this share is as it was.
+const AS_IT_WAS: f64 = 0.5;
 
 /// Iterations at the end over which the touching points are watched.
 const WATCHED: usize = 6;
@@ -166,6 +174,7 @@ impl<'a> Globalisation<'a> {
             goes_on: false,
             norms: Vec::new(),
             touching: (usize::MAX, 0),
+            stall: (Measures { norm: f64::INFINITY, ..Measures::default() }, 0),
         }
     }
 
@@ -220,6 +229,7 @@ impl<'a> Globalisation<'a> {
         let before = self.norms.len().checked_sub(1 + tuning.circle).map(|index| self.norms[index]);
         let circles = before.is_some_and(|before| now.norm > tuning.not_smaller * before);
         self.watch(now.contact_points);
+        self.watch_rounding(now);
         self.last = now;
         self.goes_on = true;
         if circles && self.iteration >= tuning.circling_from { Verdict::Shorten(0.5) } else { Verdict::Accept }
@@ -261,6 +271,19 @@ impl<'a> Globalisation<'a> {
             residual: self.last.residual,
             node,
         }
+    }
+
+    /// Whether corrections have long been below the tolerance, and the residual falls no more: what is left of it is rounding. With contact
+    /// points that come and go it may be something else.
+    pub fn is_stalled(&self) -> bool {
+        self.stall.1 >= STALLED
+    }
+
+    fn watch_rounding(&mut self, now: Measures) {
+        let (before, count) = self.stall;
+        let is_as_it_was = now.residual > AS_IT_WAS * before.residual && now.contact_points == before.contact_points;
+        let is_small = |measures: &Measures| measures.norm < self.settings.tolerance;
+        self.stall = (now, if is_as_it_was && is_small(&now) && is_small(&before) { count + 1 } else { 0 });
     }
 
     fn watch(&mut self, touching: usize) {
@@ -369,5 +392,26 @@ mod tests {
         assert_eq!(exhaust(|count| 10 + count % 2), (8, Cause::ContactChatter { least: 10, most: 11 }));
         let lost = Cause::TooManyIterations { iterations: 8, correction: 0.4, residual: 0.4, node: 7 };
         assert_eq!(exhaust(|_| 10), (8, lost));
+    }
+
+    #[test]
+    fn a_residual_that_no_correction_makes_smaller_is_rounding() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        let stalls_after = |measures: &dyn Fn(usize) -> Measures| {
+            let mut policy = Globalisation::new(&tuning, &settings, &scales());
+            (0..9).find(|&count| {
+                policy.next_tangent();
+                policy.choice = Choice::New;
+                policy.judge(measures(count), false, small);
+                policy.is_stalled()
+            })
+        };
+        let of = |norm: f64, residual: f64| Measures { norm, largest: norm, residual, contact_points: 0 };
+        let small_corrections = |count: usize| of(1e-14, 1e-7 * (1.0 + 0.1 * count as f64));
+        assert_eq!(stalls_after(&small_corrections), Some(STALLED));
+        // Corrections that are still large, a residual that still falls, contact that has not settled.
+        assert_eq!(stalls_after(&|_| of(1e-3, 1e-7)), None);
+        assert_eq!(stalls_after(&|count| of(1e-14, 0.4_f64.powi(count as i32))), None);
+        assert_eq!(stalls_after(&|count| Measures { contact_points: count, ..of(1e-14, 1e-7) }), None);
     }
 }

@@ -46,6 +46,8 @@ pub enum Remedy {
     Memory,
     /// Mend the equations that the message names.
     Equations,
+    /// A tolerance of the residual above the rounding.
+    ResidualTolerance,
     /// Measure the errors on finer and finer meshes.
     ErrorBars,
     /// Better shapes of elements.
@@ -75,6 +77,8 @@ pub enum Occasion {
     OutOfMemory,
     /// The equations cannot be set up, or contradict each other.
     BadEquations,
+    /// A tolerance of the residual is below the rounding.
+    Rounding,
     /// The material has no stiffness left.
     NoStiffnessLeft,
     /// Only contact holds a part, and it does not.
@@ -147,9 +151,10 @@ pub enum Occasion {
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::OutOfMemory,
         Self::BadEquations,
+        Self::Rounding,
         Self::NoStiffnessLeft,
         Self::NotHeld,
         Self::Buckling,
@@ -192,6 +197,7 @@ impl Occasion {
         match self {
             Self::OutOfMemory => &[R::Memory],
             Self::BadEquations => &[R::Equations],
+            Self::Rounding => &[R::ResidualTolerance],
             Self::NoStiffnessLeft => &[R::SmallerLoad, R::ThickerWalls, R::FittedConstants],
             Self::NotHeld => &[R::Hold, R::TouchAtRest],
             Self::Buckling => &[R::SmallerLoad, R::Stockier],

@@ -47,6 +47,8 @@ pub enum ReasonKind {
     WallsCross,
     /// There is not enough memory.
     OutOfMemory,
+    /// A tolerance of the residual is below the rounding.
+    Rounding,
     /// Newton's method does not converge for a reason that was not found.
     NotConverged,
 }
@@ -63,6 +65,7 @@ pub fn explain(
     match &failure.cause {
         Cause::Interrupted => None,
         Cause::OutOfMemory(error) => Some(end.out_of_memory(error)),
+        Cause::Rounding { .. } => Some(end.rounding()),
         // What is wrong with the equations is all there is to say.
         Cause::Setup(_) | Cause::Resume(_) | Cause::Contradiction => Some(end.not_solvable()),
         _ => Some(
@@ -115,6 +118,16 @@ impl End<'_> {
     fn out_of_memory(&self, why: &dyn std::fmt::Display) -> Reason {
         let message = format!("the memory does not suffice beyond {}: {why}", self.reached());
         self.reason(ReasonKind::OutOfMemory, Occasion::OutOfMemory, message)
+    }
+
+    /// The tolerance of the residual cannot be met.
+    fn rounding(&self) -> Reason {
+        let attempted = self.failure.clock.words(self.failure.attempted);
+        let message = format!(
+            "the state at {attempted} is found, but not to the tolerance that is asked for: {}",
+            self.failure.cause
+        );
+        self.reason(ReasonKind::Rounding, Occasion::Rounding, message)
     }
 
     fn not_solvable(&self) -> Reason {

@@ -77,6 +77,12 @@ impl Vocabulary {
             Remedy::Memory => {
                 "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)".into()
             }
+            // A deck has no key for it.
+            Remedy::ResidualTolerance if self == Self::Deck => return None,
+            Remedy::ResidualTolerance if self == Self::Program => {
+                "raise residual_tolerance of Analysis::solver above what rounding leaves".into()
+            }
+            Remedy::ResidualTolerance => "raise solver.residual_tolerance above what rounding leaves".into(),
             Remedy::Equations => "mend what the message names".into(),
             Remedy::ErrorBars if self == Self::CaseFile => "let `pneuflex converge` give error bars".into(),
             Remedy::BetterShapes if is_actuator => {

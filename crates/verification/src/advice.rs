@@ -161,6 +161,10 @@ const CHIP: Input = block(
     "[[support]]\nnodes = \"z0\"\naxes = \"xyz\"\n[[support]]\nnodes = \"z1\"\naxes = \"xy\"\n[[force]]\nnodes = \"z1\"\ntotal = [0, 0, 40]\n",
 );
 
+/// Two chambers that hardly change their volume: rounding leaves much.
+const STIFF: [(&str, &str); 3] =
+    [("mesh.size", "4.5"), ("material.bulk_modulus", "1000000"), ("material.invariant", "isochoric")];
+
 /// Two chambers on a mesh that is solved in a second.
 const QUICK: [(&str, &str); 2] = [("mesh.size", "2"), ("mesh.element", "hex8-q1p0")];
 
@@ -318,6 +322,13 @@ fn rows() -> Vec<Row> {
             ToTheEnd,
         ),
         row(O::GreatestPressure, R::ThickerWalls, (membrane(0.2), &[]), (membrane(0.3), &[]), Further(0.3)),
+        row(
+            O::Rounding,
+            R::ResidualTolerance,
+            (TwoChambers, &[STIFF[0], STIFF[1], STIFF[2], QUICK[1], ("solver.residual_tolerance", "1e-13")]),
+            (TwoChambers, &[STIFF[0], STIFF[1], STIFF[2], QUICK[1], ("solver.residual_tolerance", "1e-8")]),
+            ToTheEnd,
+        ),
         row(
             O::GreatestPressure,
             R::PumpVolume,

@@ -87,6 +87,10 @@ impl Path {
                     return Ok(Converged { equilibrium, predictor: Some(tangent), iterations: policy.iteration() });
                 }
             }
+            if policy.is_stalled() {
+                self.system.recycle(Some(tangent));
+                return Err(Cause::Rounding { residual: measures.residual, relative: measures.residual / scale });
+            }
             (at_hand, left) = (Some(tangent), assembled.residual);
         }
         self.system.recycle(at_hand);

@@ -97,8 +97,8 @@ impl Path {
     ) -> Result<(), Failure> {
         let &Attempt { start, wanted, attempted, had_predictor } = attempt;
         self.system.revert();
-        // A smaller step helps against neither.
-        if matches!(cause, Cause::Interrupted | Cause::OutOfMemory(_)) {
+        // A smaller step helps against none of them.
+        if matches!(cause, Cause::Interrupted | Cause::OutOfMemory(_) | Cause::Rounding { .. }) {
             return Err(self.failure(attempted, cause));
         }
         observer(Event::StepRejected { step: self.step, parameter: attempted, cause: &cause });
