@@ -4,10 +4,11 @@ use pneuflex_assembly::LocalError;
 use pneuflex_model::{Material, Problem, Solver};
 
 use crate::bordered;
-use crate::globalisation::{Measures, Tuning};
+use crate::globalisation::Measures;
 use crate::state::State;
 use crate::system::System;
 use crate::tangent_solver::Assembled;
+use crate::tuning::Tuning;
 
 /// Residuals below this share of [`Scales::force`] are rounding: it bounds the relative tolerance from below where the load is tiny.
 const RESIDUAL_FLOOR: f64 = 1e-9;

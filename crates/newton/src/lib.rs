@@ -37,6 +37,7 @@ pub mod tangent_solver;
 #[cfg(test)]
 mod testing;
 pub mod timing;
+mod tuning;
 mod unilateral;
 pub mod unstable_motion;
 

@@ -20,7 +20,6 @@ use crate::convergence::Scales;
 use crate::error::{AssembleError, ResumeError, SetupError};
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure, Stability};
-use crate::globalisation::Tuning;
 use crate::history::{Augmentation, ConvergedState};
 use crate::prescribed_motion::PrescribedMotion;
 use crate::stability::{self, Response};
@@ -28,6 +27,7 @@ use crate::state::{Equilibrium, State};
 use crate::system::System;
 use crate::tangent_solver::Tangent;
 use crate::timing::{PathReport, Timing};
+use crate::tuning::Tuning;
 use crate::unstable_motion::UnstableMotions;
 
 /// Follows equilibria of one problem from rest. It owns everything it needs, and may be sent to another thread.

@@ -6,8 +6,8 @@ use super::{Converged, Path};
 use crate::checkpoint::Approach;
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure};
-use crate::globalisation::Tuning;
 use crate::history::ConvergedState;
+use crate::tuning::Tuning;
 
 /// A last step that would leave a crumb takes it along.
 const CRUMB: f64 = 1.01;
