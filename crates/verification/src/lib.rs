@@ -15,6 +15,7 @@
 //! * [`contact_patch`]: two blocks with faces that do not match.
 //! * [`hertz`]: a sphere on a block.
 //! * [`crushed`]: a cylinder crushed between plates, and by a block.
+//! * [`curved_contact`]: two arches pressed on each other, and a round die that irons a slab.
 //!
 //! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
 //! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`). [`advice`] is tried here, whatever the program
@@ -29,6 +30,7 @@ pub mod bending;
 pub mod body;
 pub mod contact_patch;
 pub mod crushed;
+pub mod curved_contact;
 pub mod hertz;
 pub mod homogeneous;
 pub mod known_cases;
@@ -79,7 +81,7 @@ pub struct Section {
 /// A problem, before it is solved.
 type Problem = (&'static str, &'static str, fn(Effort) -> Vec<Row>);
 
-const PROBLEMS: [Problem; 10] = [
+const PROBLEMS: [Problem; 11] = [
     ("Homogeneous states", homogeneous::TEXT, homogeneous::rows),
     ("Thick tube", tube::TEXT, tube::rows),
     ("Torsion of a cylinder", torsion::TEXT, torsion::rows),
@@ -90,6 +92,7 @@ const PROBLEMS: [Problem; 10] = [
     ("Contact patch test", contact_patch::TEXT, contact_patch::rows),
     ("Hertzian contact", hertz::TEXT, hertz::rows),
     ("Crushed cylinder", crushed::TEXT, crushed::rows),
+    ("Arches and ironing", curved_contact::TEXT, curved_contact::rows),
 ];
 
 /// Solves all problems, some at the same time, telling `observe` about the rows of each when it is solved.
