@@ -4,9 +4,10 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pneuflex::model::{Clock, LoadParameter};
+use pneuflex::model::{Clock, LoadParameter, StateKind};
 use pneuflex::newton::{Cause, IterationRecord};
 use pneuflex::post::summary::{ObstacleSummary, StepSummary};
+use pneuflex::diagnosis::limit_words;
 use pneuflex::{Event, ReachedState};
 
 use crate::terminal::{message, say};
@@ -135,8 +136,13 @@ impl Progress {
 /// What is said of a requested pressure that is reached; `points` are all contact points, those of walls and of obstacles.
 fn state_lines(clock: Clock, summary: &StepSummary, points: usize, left: &str) -> Vec<String> {
     let (at, iterations) = (clock.words(summary.when()), summary.iterations);
-    let angle = summary.end_face_angle_deg.map(|deg| format!(": end face turned by {deg:.2} deg"));
-    let mut lines = vec![format!("{at} reached in {iterations} iterations{}{left}", angle.unwrap_or_default())];
+    let angle = summary.end_face_angle_deg.map(|deg| format!(": end face turned by {deg:.2} deg")).unwrap_or_default();
+    let reached = match summary.kind {
+        StateKind::Requested => format!("{at} reached"),
+        StateKind::GreatestLoad | StateKind::LeastLoad => format!("limit point at {}, found", limit_words(clock, summary)),
+        StateKind::PastLimit => format!("past the limit point, {} found", limit_words(clock, summary)),
+    };
+    let mut lines = vec![format!("{reached} in {iterations} iterations{angle}{left}")];
     let force = |(name, found): (&String, &ObstacleSummary)| {
         let size = found.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
         format!(", {size:.4} N on {name}")
@@ -158,6 +164,7 @@ struct TimeLeft {
     steps: Vec<(Instant, LoadParameter)>,
     /// When the run will end by the steps so far, and by those before the last.
     ends: [Option<Instant>; 2],
+    has_turned: bool,
 }
 
 impl TimeLeft {
@@ -165,7 +172,7 @@ impl TimeLeft {
     const RECENT: usize = 3;
 
     fn new(start: LoadParameter) -> Self {
-        Self { steps: vec![(Instant::now(), start)], ends: [None; 2] }
+        Self { steps: vec![(Instant::now(), start)], ends: [None; 2], has_turned: false }
     }
 
     /// A load step is accepted.
@@ -174,6 +181,10 @@ impl TimeLeft {
     }
 
     fn reached_when(&mut self, now: Instant, at: LoadParameter, end: LoadParameter) {
+        // Where the load parameter turns back, nobody knows.
+        if self.steps.last().is_some_and(|(_, last)| at < *last) {
+            self.has_turned = true;
+        }
         self.steps.push((now, at));
         // Steps become dearer as walls touch: what is left goes at the slower one of the whole path's pace and the present one.
         let count = self.steps.len();
@@ -193,7 +204,7 @@ impl TimeLeft {
     }
 
     fn seconds_at(&self, now: Instant) -> Option<f64> {
-        let [Some(end), Some(before)] = self.ends else { return None };
+        let [Some(end), Some(before)] = self.ends.map(|end| end.filter(|_| !self.has_turned)) else { return None };
         let left = end.checked_duration_since(now)?.as_secs_f64();
         let differ = if end > before { end - before } else { before - end };
         (left > 0.0 && differ.as_secs_f64() <= 0.5 * left).then_some(left)

@@ -64,7 +64,10 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
             report();
             let spent = duration(solution.timing.total_s);
-            progress.line(&format!("converged: {} iterations in {spent}; results in {place}", solution.iterations));
+            let last = analysis.requested.last().copied();
+            let has_all = solution.states.iter().any(|state| state.kind.is_requested() && Some(state.when()) == last);
+            let end = if has_all { "converged" } else { "followed past the limit point" };
+            progress.line(&format!("{end}: {} iterations in {spent}; results in {place}", solution.iterations));
             Ok(Outcome::Converged)
         }
         // Said even when quiet: it is the reason for the exit code.

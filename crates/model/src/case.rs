@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::material::Material;
 use crate::number::rounded;
 use crate::obstacle_table::{self, ObstacleTable};
-use crate::options::{self, Contact, ContactMethod, Load, MeshOptions, Output, Probe, Solver};
+use crate::options::{self, Contact, ContactMethod, Continuation, Load, MeshOptions, Output, Probe, Solver};
 use crate::range_check::{CaseError, Problems, Quantity};
 
 /// A whole case file.
@@ -142,18 +142,22 @@ struct WrittenSolver {
     first_step_kpa: f64,
     max_step_kpa: f64,
     min_step_kpa: Option<f64>,
+    continuation: Continuation,
+    states_past_limit: usize,
 }
 
 impl Default for WrittenSolver {
     fn default() -> Self {
-        let Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, .. } = Solver::default();
+        let default = Solver::default();
         Self {
-            tolerance,
-            residual_tolerance,
-            max_iterations,
-            first_step_kpa: first_step,
-            max_step_kpa: max_step,
+            tolerance: default.tolerance,
+            residual_tolerance: default.residual_tolerance,
+            max_iterations: default.max_iterations,
+            first_step_kpa: default.first_step,
+            max_step_kpa: default.max_step,
             min_step_kpa: None,
+            continuation: default.continuation,
+            states_past_limit: default.states_past_limit,
         }
     }
 }
@@ -170,9 +174,16 @@ impl From<Written> for Case {
         let Written { title, actuator, mesh, material, contact, mut obstacles, load, probes, solver, output } = written;
         let stiffness = contact.stiffness.unwrap_or_else(|| Contact::of_actuator(&material, &actuator).stiffness);
         let min_step = solver.min_step_kpa.unwrap_or_else(|| default_min_step(&load, solver.max_step_kpa));
-        let WrittenSolver { tolerance, residual_tolerance, max_iterations, first_step_kpa, max_step_kpa, .. } = solver;
-        let (first_step, max_step) = (first_step_kpa, max_step_kpa);
-        let solver = Solver { tolerance, residual_tolerance, max_iterations, first_step, max_step, min_step };
+        let solver = Solver {
+            tolerance: solver.tolerance,
+            residual_tolerance: solver.residual_tolerance,
+            max_iterations: solver.max_iterations,
+            first_step: solver.first_step_kpa,
+            max_step: solver.max_step_kpa,
+            min_step,
+            continuation: solver.continuation,
+            states_past_limit: solver.states_past_limit,
+        };
         for obstacle in &mut obstacles {
             obstacle.stiffness.get_or_insert(stiffness);
             obstacle.faces.get_or_insert_with(|| "outer".into());

@@ -123,6 +123,21 @@ pub struct Solver {
     /// A step smaller than this ends the run as not converged.
     #[serde(rename = "min_step_kpa")]
     pub min_step: f64,
+    /// What is prescribed from step to step.
+    pub continuation: Continuation,
+    /// States that are recorded beyond the first limit point, at the most.
+    pub states_past_limit: usize,
+}
+
+/// What is prescribed from step to step along a path of equilibria (theory §14).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Continuation {
+    /// The load parameter: the path ends where it has its greatest value.
+    #[default]
+    Load,
+    /// The length of the path: the load parameter is found, and may fall.
+    ArcLength,
 }
 
 /// What is written besides the summary.
@@ -154,6 +169,8 @@ impl Default for Solver {
             first_step: 5.0,
             max_step: 20.0,
             min_step: 1e-3,
+            continuation: Continuation::Load,
+            states_past_limit: 30,
         }
     }
 }
@@ -325,6 +342,9 @@ impl Solver {
         }
         if !(2..=1000).contains(&self.max_iterations) {
             found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");
+        }
+        if !(1..=1000).contains(&self.states_past_limit) {
+            found.add("solver.states_past_limit", &self.states_past_limit, "must be from 1 to 1000");
         }
     }
 }

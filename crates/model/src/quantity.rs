@@ -14,6 +14,13 @@ use crate::units::MPA_PER_KPA;
 #[serde(transparent)]
 pub struct LoadParameter(pub f64);
 
+impl LoadParameter {
+    /// The one further along a rising path.
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+}
+
 impl From<f64> for LoadParameter {
     fn from(value: f64) -> Self {
         Self(value)

@@ -6,6 +6,7 @@
 use pneuflex_model::{LoadParameter, Problem};
 use serde::{Deserialize, Serialize};
 
+use crate::arc::ArcMemory;
 use crate::contributions::CavityPressures;
 use crate::error::{Misfit, SetupError};
 use crate::history::{Augmentation, ConvergedState};
@@ -56,6 +57,12 @@ pub struct Checkpoint {
     /// Whether every step up to the next requested position is solved to the tolerances.
     #[serde(default)]
     pub is_careful: bool,
+    /// Negative eigenvalues of the tangent near the equilibrium.
+    #[serde(default)]
+    pub negative_pivots: usize,
+    /// What a path that is followed by its arc length remembers.
+    #[serde(default)]
+    pub arc: ArcMemory,
 }
 
 /// The way to a requested position.
@@ -81,6 +88,8 @@ impl Checkpoint {
         let state = State::new(self.parameter, self.displacement.clone(), self.bordered.clone());
         Ok(ConvergedState {
             parameter: self.parameter,
+            kind: self.arc.untold.unwrap_or_default(),
+            negative_pivots: self.negative_pivots,
             reaction: self.multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
             iterations: self.iterations.saturating_sub(self.approach.iterations_before),
             load_steps: self.approach.load_steps,
@@ -115,6 +124,8 @@ impl Checkpoint {
             || !is_finite(&steps)
             || self.parameter.0 <= 0.0
             || self.approach.step <= 0.0
+            || !self.arc.greatest.is_finite()
+            || self.arc.last.as_ref().is_some_and(|(change, by)| !field(change) || !by.is_finite())
         {
             return Err(Misfit("its state"));
         }

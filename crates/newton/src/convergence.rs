@@ -1,6 +1,7 @@
 //! When a state counts as an equilibrium.
 
 use pneuflex_assembly::LocalError;
+use pneuflex_mesh::Mesh;
 use pneuflex_model::{Material, Problem, Solver};
 
 use crate::bordered;
@@ -50,6 +51,22 @@ impl Scales {
             rounding_per_mm: f64::EPSILON * bulk_modulus * problem.mesh.mean_element_size() * nodes.sqrt(),
             inexact_stretch: inexact_stretch(&materials, tuning),
         }
+    }
+
+    /// The same for a body that is stretched as far as at a displacement. Where an edge is σ times as long as at rest, faces may be σ² times
+    /// as large, and a layer that keeps its volume σ² times as thin: the same rounding of positions makes σ⁴ times the force.
+    pub(crate) fn stretched(self, mesh: &Mesh, displacement: &[[f64; 3]]) -> Self {
+        let length = |[a, b]: [usize; 2], displacement: &[[f64; 3]]| {
+            let at = |node: usize, k: usize| mesh.nodes[node][k] + displacement[node][k];
+            (0..3).map(|k| (at(a, k) - at(b, k)).powi(2)).sum::<f64>()
+        };
+        let rest = vec![[0.0; 3]; displacement.len()];
+        let squared = (0..mesh.num_elements()).flat_map(|element| mesh.element(element).windows(2)).map(|pair| {
+            let ends = [pair[0] as usize, pair[1] as usize];
+            length(ends, displacement) / length(ends, &rest)
+        });
+        let most = squared.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max);
+        Self { rounding_per_mm: self.rounding_per_mm * most * most, ..self }
     }
 
     #[cfg(test)]

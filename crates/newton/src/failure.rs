@@ -75,6 +75,9 @@ pub enum Cause {
         /// The motions that release energy, if they were found.
         motions: Option<Box<UnstableMotions>>,
     },
+    /// What a step along the path led to does not lie on it.
+    #[error("the step leads to another branch of equilibria")]
+    OtherBranch,
     /// The equations of the problem cannot be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -111,6 +114,8 @@ pub struct Failure {
     pub stability: Stability,
     /// What the load parameter counts.
     pub clock: Clock,
+    /// Whether the path had gone beyond a limit point.
+    pub is_past_limit: bool,
 }
 
 impl From<AssembleError> for Cause {
@@ -142,7 +147,8 @@ impl From<LocalError> for Cause {
 impl Failure {
     /// A path that could not begin.
     pub fn at_rest(clock: Clock, attempted: LoadParameter, cause: Cause) -> Self {
-        Self { reached: LoadParameter::default(), attempted, cause, stability: Stability::default(), clock }
+        let (reached, stability) = (LoadParameter::default(), Stability::default());
+        Self { reached, attempted, cause, stability, clock, is_past_limit: false }
     }
 }
 

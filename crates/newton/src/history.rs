@@ -1,6 +1,6 @@
 //! What a run reports: iterations and converged states. Plain data.
 
-use pneuflex_model::{LoadParameter, Pressure};
+use pneuflex_model::{LoadParameter, Pressure, StateKind};
 use serde::{Deserialize, Serialize};
 
 use crate::unstable_motion::UnstableMotions;
@@ -31,11 +31,15 @@ pub struct IterationRecord {
     pub elapsed_s: f64,
 }
 
-/// An equilibrium at one of the requested positions.
+/// An equilibrium at one of the requested positions, or one beyond a limit point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvergedState {
-    /// Requested position: the pressure in kPa for actuators.
+    /// Position on the load path: the pressure in kPa for actuators.
     pub parameter: LoadParameter,
+    /// Why it is told of.
+    pub kind: StateKind,
+    /// Motions that would release energy if the loads kept their values; on a path that ends where there are any, none.
+    pub negative_pivots: usize,
     /// Displacements, mm, one entry per node.
     pub displacement: Vec<[f64; 3]>,
     /// Forces of the supports on the body, N, one entry per node, zero at free degrees of freedom: −λ of R + Φᵀλ = 0.

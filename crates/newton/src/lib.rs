@@ -8,13 +8,15 @@
 //! * [`globalisation`]: what becomes of a correction; `convergence`: when a state is an equilibrium; `stability`: how firm it is;
 //!   [`unstable_motion`]: what it does if it is not.
 //! * [`rotation_update`]: how displacements follow a correction.
-//! * [`path`]: Newton's method at one load, the guess before it, the steps around it; `prescribed_motion`: supports that move.
+//! * [`path`]: Newton's method at one load, the guess before it, the steps around it; [`arc`]: beyond limit points; `prescribed_motion`:
+//!   supports that move.
 //! * [`augmentation`]: the contact's multipliers at the requested positions.
 //! * [`checkpoint`]: what is needed to go on after a kill; [`event`], [`history`], [`failure`],
 //!   [`timing`]: what a run reports.
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
+pub mod arc;
 pub mod augmentation;
 pub mod bordered;
 pub mod checkpoint;
@@ -41,6 +43,7 @@ mod tuning;
 mod unilateral;
 pub mod unstable_motion;
 
+pub use arc::ArcMemory;
 pub use checkpoint::Checkpoint;
 pub use error::{AssembleError, ResumeError, SetupError};
 pub use event::{Event, Observer};

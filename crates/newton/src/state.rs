@@ -60,6 +60,14 @@ impl Correction {
         Self { displacement, bordered: self.bordered.iter().map(|y| factor * y).collect() }
     }
 
+    /// It with so many times another one.
+    pub fn plus(mut self, factor: f64, other: &Self) -> Self {
+        let pairs = self.displacement.as_flattened_mut().iter_mut().zip(other.displacement.as_flattened());
+        pairs.for_each(|(u, more)| *u += factor * more);
+        self.bordered.iter_mut().zip(&other.bordered).for_each(|(y, more)| *y += factor * more);
+        self
+    }
+
     /// Largest component of the displacements, mm.
     pub fn largest(&self) -> f64 {
         self.displacement.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()))
@@ -79,6 +87,8 @@ pub struct Equilibrium {
     pub is_inexact: bool,
     /// Motions of the mesh that release energy there, in spite of which the path goes on.
     pub mesh_motions: Option<UnstableMotions>,
+    /// Negative eigenvalues of the tangent near it.
+    pub negative_pivots: usize,
 }
 
 /// b − a of nodal fields.

@@ -42,6 +42,8 @@ pub enum Remedy {
     PumpVolume,
     /// A motion instead of a force.
     PrescribeMotion,
+    /// The arc length instead of the load parameter.
+    ArcLength,
     /// Less memory, or more of it.
     Memory,
     /// Mend the equations that the message names.
@@ -147,6 +149,8 @@ pub enum Occasion {
     Acceleration,
     /// An actuator that hardly moves.
     HardlyMoves,
+    /// States beyond a limit point, at which a body does not stay by itself.
+    PastLimit,
 }
 
 impl Occasion {
@@ -189,6 +193,7 @@ impl Occasion {
         Self::Pressure,
         Self::Acceleration,
         Self::HardlyMoves,
+        Self::PastLimit,
     ];
 
     /// What helps, the best first. A remedy that a kind of file or problem has not is left out where advice is given.
@@ -204,8 +209,8 @@ impl Occasion {
             Self::FirstStep => &[R::SmallerSteps],
             Self::ElementMotion => &[R::BetterElements, R::FinerMesh],
             Self::VolumetricMotion => &[R::Isochoric, R::BetterElements, R::FinerMesh],
-            Self::GreatestPressure => &[R::SmallerLoad, R::ThickerWalls, R::PumpVolume],
-            Self::GreatestForce => &[R::SmallerLoad, R::ThickerWalls, R::PrescribeMotion],
+            Self::GreatestPressure => &[R::SmallerLoad, R::ThickerWalls, R::PumpVolume, R::ArcLength],
+            Self::GreatestForce => &[R::SmallerLoad, R::ThickerWalls, R::PrescribeMotion, R::ArcLength],
             Self::PassedThrough => &[R::SmallerSteps, R::OtherStiffness],
             Self::UnsettledContact => &[R::OtherStiffness],
             Self::InvertedElement => &[R::BetterElements, R::SmallerLoad],
@@ -228,6 +233,7 @@ impl Occasion {
             Self::Bulk => &[R::BulkModulus],
             Self::Pressure => &[R::Pressures],
             Self::Acceleration => &[R::Accelerations],
+            Self::PastLimit => &[R::SmallerLoad],
             Self::HardlyMoves => &[R::Moduli, R::Pressures],
         }
     }

@@ -1,6 +1,6 @@
 //! `checkpoint.bin`: the last accepted load step, from which `run --resume` goes on (MessagePack behind a checksum).
 
-use pneuflex_model::{Clock, LoadParameter};
+use pneuflex_model::{Clock, Continuation, LoadParameter};
 use pneuflex_newton::Checkpoint;
 use pneuflex_post::summary::StepSummary;
 use pneuflex_report::summary::FORMAT;
@@ -106,7 +106,7 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
             .of_kind(InputErrorKind::OtherResults)
             .with_help(Some("start over; that replaces what is there".into()))
     };
-    let (reached, is_complete) = reached(folder).map_err(again)?;
+    let (reached, end) = reached(folder).map_err(again)?;
     let has_checkpoint = folder.path().join(FILE).exists();
     // Of a run that died before its first load step nothing is lost, whatever else has changed since.
     if folder.is_beginning() || (reached.is_empty() && !has_checkpoint) {
@@ -122,8 +122,8 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if let Some(files) = analysis.files()? {
         changes.extend(changed_files(folder, &files));
     }
-    let has_all = reached.iter().map(StepSummary::when).eq(analysis.requested.iter().copied());
-    if changes.is_empty() && has_all && is_complete {
+    let has_all = requested_of(&reached).eq(analysis.requested.iter().copied());
+    if changes.is_empty() && (has_all && end == Some(End::Reached) || end == Some(End::PastLimit)) {
         return Ok(Start::Complete(reached));
     }
     let old_requested = requested_by(&old);
@@ -142,9 +142,13 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
-    let reached = loaded.recorded.steps.iter().map(StepSummary::when);
+    if loaded.path.arc.is_past_limit() && analysis.solver.continuation == Continuation::Load {
+        let what = "the path there has passed a limit point, which only solver.continuation = \"arc-length\" goes on from";
+        return Err(again(what.to_owned()));
+    }
+    let count = requested_of(&loaded.recorded.steps).count();
+    let reached = requested_of(&loaded.recorded.steps);
     let requested = &analysis.requested;
-    let count = loaded.recorded.steps.len();
     let at = loaded.path.parameter;
     let goes_on = reached.eq(requested.iter().copied().take(count))
         && requested.get(count).is_none_or(|next| *next >= at)
@@ -180,20 +184,38 @@ fn changed_files(folder: &OutputFolder, files: &Files) -> Option<(String, String
     (!is_same).then(|| ("model.file".to_owned(), format!("{} or what it includes is another one", files.name)))
 }
 
+/// How a run came to its end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// At the last requested position.
+    Reached,
+    /// On the path past a limit point.
+    PastLimit,
+}
+
+/// Where the states are that were asked for.
+fn requested_of(steps: &[StepSummary]) -> impl Iterator<Item = LoadParameter> {
+    steps.iter().filter(|step| step.kind.is_requested()).map(StepSummary::when)
+}
+
 /// What `summary.json` says of the times that were reached, and whether the run came to its end, or why its numbers mean something else.
-fn reached(folder: &OutputFolder) -> Result<(Vec<StepSummary>, bool), String> {
+fn reached(folder: &OutputFolder) -> Result<(Vec<StepSummary>, Option<End>), String> {
     let mut summary: serde_json::Value =
         serde_json::from_slice(&folder.read("summary.json").unwrap_or_default()).unwrap_or_default();
-    let is_complete = summary["status"] == "converged";
+    let end = match summary["status"].as_str() {
+        Some("converged") => Some(End::Reached),
+        Some("past-limit") => Some(End::PastLimit),
+        _ => None,
+    };
     let steps = summary.get_mut("steps").and_then(serde_json::Value::as_array_mut);
-    let Some(steps) = steps else { return Ok((Vec::new(), false)) };
+    let Some(steps) = steps else { return Ok((Vec::new(), None)) };
     let steps = std::mem::take(steps);
     let format = summary["format"].as_u64().unwrap_or(1);
     if format != u64::from(FORMAT) && !steps.is_empty() {
         return Err(format!("its summary.json has the format {format} instead of {FORMAT}"));
     }
     let converged = steps.into_iter().filter(|step| step["converged"] == true);
-    Ok((converged.filter_map(|step| serde_json::from_value(step).ok()).collect(), is_complete))
+    Ok((converged.filter_map(|step| serde_json::from_value(step).ok()).collect(), end))
 }
 
 /// Keys of which two cases have different values, each with what it was and is.

@@ -21,6 +21,10 @@ pub fn describe(
     let state = as_described(equilibrium);
     let described = summary::describe(problem, sites, &state);
     let mut described = described.map_err(|source| failed(problem, equilibrium, source))?;
+    described.summary.kind = equilibrium.kind;
+    if equilibrium.mesh_motions.is_none() {
+        described.summary.unstable_motions = equilibrium.negative_pivots;
+    }
     described.summary.mesh_instability = equilibrium.mesh_motions.as_ref().map(mesh_motions);
     Ok(described)
 }

@@ -3,13 +3,14 @@
 use std::fmt;
 
 use pneuflex_mesh::Actuator;
-use pneuflex_model::{ContactMethod, ContactPair, MeshOptions, Problem, Resolution};
+use pneuflex_model::{Clock, ContactMethod, ContactPair, MeshOptions, Problem, Resolution, StateKind};
 use pneuflex_post::summary::StepSummary;
 use serde::Serialize;
 
 use crate::accuracy::{Expected, Fineness, Outside, Parameter, expected};
 use crate::advice::Occasion;
 use crate::vocabulary::Vocabulary;
+use crate::words::plural;
 
 /// Walls that pass through each other further than this share of the thinnest wall are worth a warning.
 const PENETRATION_SHARE: f64 = 0.01;
@@ -72,6 +73,8 @@ pub enum WarningKind {
     Probe,
     /// A number looks as if it were in another unit.
     Units,
+    /// The load parameter has a greatest value, beyond which the path was followed.
+    LimitPoint,
 }
 
 /// What results are about.
@@ -112,6 +115,9 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
             first.mesh_instability.clone().unwrap_or_default()
         );
         add(WarningKind::MeshInstability, Some(first), message, Occasion::UnstableElements);
+    }
+    if let (Some(first), _) = first_and_last(steps, |step| step.kind == StateKind::GreatestLoad) {
+        add(WarningKind::LimitPoint, Some(first), past_limit(subject, first, steps), Occasion::PastLimit);
     }
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.unmet_tolerance.is_some()) {
         let message = format!(
@@ -171,6 +177,34 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
         add(WarningKind::Units, Some(last), message, Occasion::HardlyMoves);
     }
     found
+}
+
+/// What is said of a path that was followed past a limit point.
+fn past_limit(subject: Subject<'_>, limit: &StepSummary, steps: &[StepSummary]) -> String {
+    let clock = subject.problem.clock;
+    let others: String = (steps.iter().filter(|step| step.kind.is_limit_point() && step.when() != limit.when()))
+        .map(|step| format!(", then a {} one at {}", extreme(step), limit_words(clock, step)))
+        .collect();
+    let beyond = steps.iter().filter(|step| step.kind == StateKind::PastLimit).count();
+    format!(
+        "limit point at {}: the loads have a {} value there{others}; {} beyond are on the path past it, where the body would snap if the \
+         loads kept their values",
+        limit_words(clock, limit),
+        extreme(limit),
+        plural(beyond, "state"),
+    )
+}
+
+fn extreme(step: &StepSummary) -> &'static str {
+    if step.kind == StateKind::LeastLoad { "least" } else { "greatest" }
+}
+
+/// Where a limit point is: the pressure, for a model beside the time.
+pub fn limit_words(clock: Clock, step: &StepSummary) -> String {
+    match clock {
+        Clock::Steps if step.pressure_kpa != 0.0 => format!("{:.4} kPa ({})", step.pressure_kpa, clock.words(step.when())),
+        Clock::Pressure | Clock::Steps => clock.words(step.when()),
+    }
 }
 
 /// Whether gaps between surfaces are averaged anywhere: what is left of their depth within a face does not follow the stiffness then.

@@ -49,7 +49,7 @@ pub fn on_the_way_number(number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneuflex_newton::Timing;
+    use pneuflex_newton::{ArcMemory, Timing};
     use pneuflex_newton::checkpoint::Approach;
 
     fn step(at: f64) -> Checkpoint {
@@ -70,6 +70,8 @@ mod tests {
             augmentation: None,
             mesh_motions: None,
             is_careful: false,
+            negative_pivots: 0,
+            arc: ArcMemory::default(),
         }
     }
 

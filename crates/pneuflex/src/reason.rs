@@ -71,6 +71,7 @@ pub fn explain(
         _ => Some(
             end.material_limit()
                 .or_else(|| end.not_held())
+                .or_else(|| end.past_limit())
                 .or_else(|| end.unstable())
                 .or_else(|| end.limit_point())
                 .or_else(|| end.passed_through())
@@ -175,6 +176,20 @@ impl End<'_> {
             )
         };
         (!parts.is_empty()).then(|| self.reason(ReasonKind::NotHeld, Occasion::NotHeld, message()))
+    }
+
+    /// The path had gone beyond a limit point: every state there is unstable under its loads, which explains nothing.
+    fn past_limit(&self) -> Option<Reason> {
+        let other = || {
+            let message = format!(
+                "beyond {}, on the path past its limit point, no further equilibrium is found: {}",
+                self.reached(),
+                self.failure.cause
+            );
+            self.reason(ReasonKind::NotConverged, Occasion::Unclear, message)
+        };
+        let known = || self.passed_through().or_else(|| self.chatter()).or_else(|| self.inverted());
+        self.failure.is_past_limit.then(|| known().unwrap_or_else(other))
     }
 
     /// The tangent is indefinite at the last equilibrium, or at the one that was found after it.
@@ -339,7 +354,7 @@ mod tests {
 
     fn failure(cause: Cause, softening: Option<f64>) -> Failure {
         let stability = Stability { softening, ..Stability::default() };
-        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure }
+        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure, is_past_limit: false }
     }
 
     #[test]

@@ -70,6 +70,8 @@ struct Summary<'a> {
 enum Status {
     Running,
     Converged,
+    /// The path was followed past a limit point to its end; requested positions above that were not reached.
+    PastLimit,
     NotConverged,
     Interrupted,
 }
@@ -126,7 +128,7 @@ struct Ending {
     status: Status,
     failure: Option<String>,
     reason: Option<Reason>,
-    missed: Option<Missed>,
+    missed: Vec<Missed>,
     on_the_way: Vec<StepSummary>,
 }
 
@@ -193,9 +195,9 @@ impl<'a> Recorder<'a> {
         };
         recorder.remove_states_on_the_way()?;
         for step in recorded.steps {
-            recorder.list_fields(step.when().0, &format!("{:02}", recorder.steps.len() + 1));
             recorder.iterations += step.iterations;
             recorder.steps.push(step);
+            recorder.list_fields(recorder.along_steps(), &format!("{:02}", recorder.steps.len()));
         }
         if recorder.folder.path().join(SERIES).is_file() {
             recorder.folder.write(SERIES, series(&recorder.series))?;
@@ -211,6 +213,22 @@ impl<'a> Recorder<'a> {
         names.try_for_each(|(number, name)| {
             self.folder.remove(&format!("fields/{name}_{}.vtu", on_the_way_number(number)))
         })
+    }
+
+    /// The requested positions that have not been reached.
+    fn left(&self) -> &[LoadParameter] {
+        let reached = self.steps.iter().filter(|step| step.kind.is_requested()).count();
+        self.analysis.requested.get(reached..).unwrap_or_default()
+    }
+
+    /// How far the last state is along the path: its position, or where that turned back the greatest one and how far it has gone since.
+    /// Viewers sort states by it.
+    fn along_steps(&self) -> f64 {
+        let mut along = 0.0;
+        for pair in self.steps.windows(2) {
+            along += (pair[1].when() - pair[0].when()).abs() - (pair[1].when() - pair[0].when());
+        }
+        along + self.steps.last().map_or(0.0, |step| step.when().0)
     }
 
     /// Lists the field files of a state in the series, as far as they are there.
@@ -240,7 +258,8 @@ impl<'a> Recorder<'a> {
         let began = Instant::now();
         let steps = self.steps.clone();
         let from = self.steps.last().map_or(LoadParameter::default(), StepSummary::when);
-        if let Some(&to) = self.analysis.requested.get(self.steps.len()) {
+        // Beyond a limit point every state is among the results.
+        if let Some(&to) = self.left().first().filter(|_| !path.arc.is_past_limit()) {
             self.on_the_way.accept(path, [from, to]);
         }
         let (history_bytes, output_s) = (self.history_bytes, self.timing.output_s);
@@ -254,10 +273,11 @@ impl<'a> Recorder<'a> {
 
     fn state(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
         let began = Instant::now();
-        if self.analysis.fields {
-            self.write_fields(&format!("{:02}", self.steps.len() + 1), state.described, state.equilibrium)?;
-        }
         self.steps.push(state.summary.clone());
+        if self.analysis.fields {
+            let number = format!("{:02}", self.steps.len());
+            self.write_fields((self.along_steps(), &number), state.described, state.equilibrium)?;
+        }
         self.on_the_way.clear();
         self.timing.output_s += state.seconds + began.elapsed().as_secs_f64();
         self.timing.path.total_s = self.began.elapsed().as_secs_f64();
@@ -267,7 +287,7 @@ impl<'a> Recorder<'a> {
 
     fn write_fields(
         &mut self,
-        number: &str,
+        (along, number): (f64, &str),
         described: &Described,
         equilibrium: &ConvergedState,
     ) -> Result<(), ResultsError> {
@@ -277,7 +297,7 @@ impl<'a> Recorder<'a> {
                 self.folder.write(&format!("fields/{name}_{number}.vtu"), &text)?;
             }
         }
-        self.list_fields(equilibrium.parameter.0, number);
+        self.list_fields(along, number);
         self.folder.write(SERIES, series(&self.series))
     }
 
@@ -294,7 +314,9 @@ impl<'a> Recorder<'a> {
         for state in &states {
             let Ok(described) = derived::describe(&analysis.problem, &self.probes, state) else { continue };
             if analysis.fields {
-                self.write_fields(&on_the_way_number(summaries.len() + 1), &described, state)?;
+                let beyond = self.steps.last().map_or(0.0, |last| self.along_steps() - last.when().0);
+                let number = on_the_way_number(summaries.len() + 1);
+                self.write_fields((beyond + state.parameter.0, &number), &described, state)?;
             }
             summaries.push(described.summary);
         }
@@ -308,19 +330,26 @@ impl<'a> Recorder<'a> {
             (None, failure) => failure.map(|failure| end_in_words(failure, end.reason)),
         };
         let status = match (&failure, end.failure) {
+            (None, _) if !self.left().is_empty() => Status::PastLimit,
             (None, _) => Status::Converged,
             (_, Some(Failure { cause: Cause::Interrupted, .. })) if end.error.is_none() => Status::Interrupted,
             _ => Status::NotConverged,
         };
-        let next = self.analysis.requested.get(self.steps.len()).copied();
-        let missed = next.filter(|_| status == Status::NotConverged && end.error.is_none()).map(|at| {
-            let (time, pressure_kpa) = match self.analysis.problem.clock {
-                Clock::Pressure => (None, Some(at.0)),
-                Clock::Steps => (Some(at.0), self.given_pressure(at)),
-            };
-            Missed { time, pressure_kpa, converged: false, iterations: self.open_iterations }
-        });
+        let missed = match status {
+            Status::NotConverged if end.error.is_none() => self.left().get(..1).unwrap_or_default(),
+            Status::PastLimit => self.left(),
+            _ => &[],
+        };
+        let missed = missed.iter().map(|&at| self.missed(at)).collect();
         Ending { status, failure, reason: end.reason.cloned(), missed, on_the_way }
+    }
+
+    fn missed(&self, at: LoadParameter) -> Missed {
+        let (time, pressure_kpa) = match self.analysis.problem.clock {
+            Clock::Pressure => (None, Some(at.0)),
+            Clock::Steps => (Some(at.0), self.given_pressure(at)),
+        };
+        Missed { time, pressure_kpa, converged: false, iterations: self.open_iterations }
     }
 
     /// Pressure of a model's first cavity at a time that was not reached, kPa, if it does not have to be found.
@@ -333,7 +362,7 @@ impl<'a> Recorder<'a> {
 
     fn write_summary(&self, ending: Option<&Ending>) -> Result<(), ResultsError> {
         let mut steps: Vec<Step<'_>> = self.steps.iter().map(Step::Reached).collect();
-        steps.extend(ending.and_then(|ending| ending.missed).map(Step::Missed));
+        steps.extend(ending.into_iter().flat_map(|ending| &ending.missed).copied().map(Step::Missed));
         let summary = Summary {
             program: "pneuflex",
             version: env!("CARGO_PKG_VERSION"),

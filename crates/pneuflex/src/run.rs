@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use pneuflex_model::LoadParameter;
 use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure, Path, PathReport};
-use pneuflex_post::summary::{ProbeSite, probe_sites};
+use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
 
 use crate::analysis::Analysis;
 use crate::check_threads;
@@ -155,9 +155,7 @@ impl<'a> Run<'a> {
             None => None,
         };
         let states = recorded.steps.clone();
-        let reached = self.from.as_ref().map_or(LoadParameter::default(), |checkpoint| checkpoint.parameter);
-        let is_left = |at: &LoadParameter| states.last().is_none_or(|last| *at > last.when()) && *at >= reached;
-        let remaining: Vec<LoadParameter> = analysis.requested.iter().copied().filter(is_left).collect();
+        let remaining = left(&analysis.requested, &states, self.from.as_ref());
         let last_equilibrium = match &self.from {
             Some(checkpoint) => checkpoint.displacement.clone(),
             None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
@@ -189,6 +187,17 @@ impl<'a> Run<'a> {
         let result = path.and_then(|path| audience.follow(path, &remaining));
         audience.finish(result)
     }
+}
+
+/// The positions that are still to be reached after the states that were, from a checkpoint on. Beyond a limit point those are left that
+/// the path has not come to.
+fn left(requested: &[LoadParameter], states: &[StepSummary], from: Option<&Checkpoint>) -> Vec<LoadParameter> {
+    let last = states.iter().rfind(|state| state.kind.is_requested()).map(StepSummary::when);
+    let is_beyond = |at: LoadParameter, from: &Checkpoint| {
+        at == from.parameter || at > from.parameter.max(LoadParameter(from.arc.greatest))
+    };
+    let is_left = |at: LoadParameter| last.is_none_or(|last| at > last) && from.is_none_or(|from| is_beyond(at, from));
+    requested.iter().copied().filter(|at| is_left(*at)).collect()
 }
 
 /// Why a path ended early, and what it had cost.
@@ -249,20 +258,18 @@ struct Audience<'a> {
 impl Audience<'_> {
     /// Follows the path through the given positions.
     fn follow(&mut self, mut path: Path, parameters: &[LoadParameter]) -> Result<PathReport, Ended> {
-        for &parameter in parameters {
-            if let Err(failure) = path.advance_and_tell(parameter, &mut |event| self.hear(event)) {
-                let is_new = self.found.states.last().is_none_or(|state| failure.reached > state.when());
-                if is_new && failure.reached > LoadParameter::default() {
-                    let present = path.present();
-                    let before: [usize; 2] = self.spent;
-                    self.found.last = Some(ConvergedState {
-                        iterations: present.iterations.saturating_sub(before[0]),
-                        load_steps: before[1],
-                        ..present
-                    });
-                }
-                return Err(Box::new((failure, path.report())));
+        if let Err(failure) = path.follow(parameters, &mut |event| self.hear(event)) {
+            let is_new = self.found.states.last().is_none_or(|state| failure.reached != state.when());
+            if is_new && failure.reached > LoadParameter::default() {
+                let present = path.present();
+                let before: [usize; 2] = self.spent;
+                self.found.last = Some(ConvergedState {
+                    iterations: present.iterations.saturating_sub(before[0]),
+                    load_steps: before[1],
+                    ..present
+                });
             }
+            return Err(Box::new((failure, path.report())));
         }
         Ok(path.report())
     }

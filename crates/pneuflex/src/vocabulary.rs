@@ -74,6 +74,7 @@ impl Vocabulary {
             Remedy::PumpVolume if problem.cavities.is_empty() => return None,
             Remedy::PumpVolume => self.pump().into(),
             Remedy::PrescribeMotion => self.drive().into(),
+            Remedy::ArcLength => self.arc_length().into(),
             Remedy::Memory => {
                 "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)".into()
             }
@@ -206,6 +207,17 @@ impl Vocabulary {
         }
     }
 
+    /// How a path is followed beyond a greatest load.
+    fn arc_length(self) -> &'static str {
+        match self {
+            Self::Program => "follow the path past it with Continuation::ArcLength",
+            Self::Deck => "follow the path past it by its arc length, in a model file around the deck",
+            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+                "follow the path past it (solver.continuation = \"arc-length\")"
+            }
+        }
+    }
+
     /// How a load of a given force is replaced by a motion.
     fn drive(self) -> &'static str {
         match self {
@@ -263,6 +275,7 @@ mod tests {
             "contact.self_contact" => "true",
             "material.invariant" => "isochoric",
             "actuator.part" => "whole",
+            "solver.continuation" => "arc-length",
             "gravity.acceleration" => "[0, 0, -9810]",
             _ => "0.5",
         };

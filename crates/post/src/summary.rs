@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Problem};
+use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Problem, StateKind};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
@@ -92,6 +92,12 @@ pub struct StepSummary {
     /// Motions by which the mesh, and not the body, is unstable; left out if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_instability: Option<String>,
+    /// Why it is among the results; left out for a state that was asked for.
+    #[serde(default, skip_serializing_if = "StateKind::is_requested")]
+    pub kind: StateKind,
+    /// Motions by which the body would go away if the loads kept their values; left out if there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unstable_motions: usize,
 }
 
 impl StepSummary {
@@ -134,6 +140,10 @@ pub struct ObstacleSummary {
 
 fn one() -> usize {
     1
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 fn is_one(images: &usize) -> bool {
@@ -278,6 +288,8 @@ pub fn describe(
         warning: material_warning(problem, &stress),
         unmet_tolerance: state.contact_failure.map(str::to_owned),
         mesh_instability: None,
+        kind: StateKind::default(),
+        unstable_motions: 0,
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })

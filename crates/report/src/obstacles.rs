@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::error::ReportError;
 use crate::report::Report;
+use crate::series::Series;
 
 /// How far planes and cylinders go on beyond the body, relative to its size.
 const MARGIN: f64 = 0.15;
@@ -36,11 +37,15 @@ pub struct Drawn<'a> {
 ///
 /// # Errors
 /// An obstacle of numbers so large that it cannot be drawn.
-pub fn drawn<'a>(report: &Report<'a>, origin: [f64; 3]) -> Result<Vec<Drawn<'a>>, ReportError> {
-    report.problem.obstacles.iter().map(|obstacle| draw(report, obstacle, origin)).collect()
+pub fn drawn<'a>(report: &Report<'a>, series: &Series, origin: [f64; 3]) -> Result<Vec<Drawn<'a>>, ReportError> {
+    report.problem.obstacles.iter().map(|obstacle| draw((report, series), obstacle, origin)).collect()
 }
 
-fn draw<'a>(report: &Report<'a>, obstacle: &'a Obstacle, origin: [f64; 3]) -> Result<Drawn<'a>, ReportError> {
+fn draw<'a>(
+    (report, series): (&Report<'a>, &Series),
+    obstacle: &'a Obstacle,
+    origin: [f64; 3],
+) -> Result<Drawn<'a>, ReportError> {
     let drawn = Drawn {
         name: &obstacle.name,
         shape: "",
@@ -50,7 +55,7 @@ fn draw<'a>(report: &Report<'a>, obstacle: &'a Obstacle, origin: [f64; 3]) -> Re
         edge_radius: 0.0,
         hollow: false,
         mirrored: report.mirror().is_some_and(|plane| !plane.is_symmetry_of(obstacle)),
-        path: path(report, obstacle),
+        path: path(report, series, obstacle),
     };
     let mut drawn = match obstacle.shape {
         Shape::Plane { point, normal } => {
@@ -122,9 +127,16 @@ impl Passed {
     }
 }
 
-/// The corners of an obstacle's path up to the last computed time.
-fn path(report: &Report<'_>, obstacle: &Obstacle) -> Vec<[f64; 4]> {
+/// The corners of an obstacle's path up to the last computed time; its places at the states where the path turned back.
+fn path(report: &Report<'_>, series: &Series, obstacle: &Obstacle) -> Vec<[f64; 4]> {
     let Some(motion) = &obstacle.motion else { return Vec::new() };
+    let place = |(&time, &parameter): (&f64, &f64)| {
+        let [x, y, z] = obstacle.offset(LoadParameter(parameter));
+        [time, x, y, z]
+    };
+    if let Some(parameters) = &series.parameters {
+        return series.times.iter().zip(parameters).map(place).collect();
+    }
     let end = report.summary.reached().last().map_or(0.0, |(time, _)| time);
     let corners = motion.curve.corners().map(|LoadParameter(at)| at).filter(|at| (0.0..end).contains(at) && *at > 0.0);
     let times = std::iter::once(0.0).chain(corners).chain((end > 0.0).then_some(end));
@@ -203,7 +215,8 @@ mod tests {
         let states = [state];
         let (title, about, inputs) = ("", "", &[]);
         let report = Report { title, about, inputs, problem: &problem, summary: &summary, states: Some(&states) };
-        check(drawn(&report, [10.0, 0.0, 0.0]));
+        let series = crate::series::of(&report).unwrap();
+        check(drawn(&report, &series, [10.0, 0.0, 0.0]));
     }
 
     fn close(a: [f64; 3], b: [f64; 3]) -> bool {

@@ -69,7 +69,7 @@ fn masthead(report: &Report<'_>, title: &str) -> Markup {
                     " · " (thousands(summary.mesh.unknowns)) " unknowns" @if let Some(reached) = reached { (reached) }
                 }
             }
-            p .status .bad[!summary.is_converged()] { (status_text(summary)) }
+            p .status .bad[!summary.is_converged() && !summary.is_past_limit()] { (status_text(summary)) }
             button #theme .icon type="button" aria-label="Light or dark" title="Light or dark" { (PreEscaped(MOON)) }
         }
     }

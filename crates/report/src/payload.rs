@@ -16,7 +16,7 @@ use crate::subdivision::tetrahedra;
 #[derive(Serialize)]
 struct Payload<'a> {
     title: &'a str,
-    clock: ClockData,
+    clock: ClockData<'a>,
     series: &'a Series,
     #[serde(skip_serializing_if = "Option::is_none")]
     body: Option<BodyData<'a>>,
@@ -24,9 +24,12 @@ struct Payload<'a> {
 
 /// What the slider stands for.
 #[derive(Serialize)]
-struct ClockData {
+struct ClockData<'a> {
     name: &'static str,
     unit: &'static str,
+    /// The parameter at the series' times, where it turned back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<&'a [f64]>,
 }
 
 #[derive(Serialize)]
@@ -82,8 +85,9 @@ struct Typical {
 
 /// The data as JSON that can stand within a `script` element.
 pub fn of(report: &Report<'_>, series: &Series) -> Result<String, ReportError> {
-    let body = report.states.map(|states| body_data(report, states)).transpose()?;
-    let clock = ClockData { name: report.parameter(), unit: report.unit() };
+    let body = report.states.map(|states| body_data(report, states, series)).transpose()?;
+    let parameters = series.parameters.as_deref();
+    let clock = ClockData { name: report.parameter(), unit: report.unit(), parameters };
     let payload = Payload { title: report.title, clock, series, body };
     let text = serde_json::to_string(&payload).map_err(|e| ReportError::Json(e.to_string()))?;
     Ok(for_script(&text))
@@ -94,7 +98,7 @@ pub fn for_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
-fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a>, ReportError> {
+fn body_data<'a>(report: &'a Report<'_>, states: &[State], series: &Series) -> Result<BodyData<'a>, ReportError> {
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
     let held = |plane: &SymmetryPlane| &report.problem.supports[plane.support].nodes[..];
@@ -105,7 +109,7 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a
     let nodes: Vec<f64> = body.nodes.iter().flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect();
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
-    let typical = |(state, p99): (&State, f64)| state_data(&body, state, p99);
+    let typical = |((state, p99), time): ((&State, f64), &f64)| state_data(&body, state, p99, *time);
     let p99 = report.summary.reached().map(|(_, reached)| reached.von_mises_p99_mpa);
     Ok(BodyData {
         mirrored: report.mirrored(),
@@ -119,10 +123,10 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State]) -> Result<BodyData<'a
         skin_parts: skin.parts,
         mesh_edges: lines(&skin.mesh_edges),
         sharp_edges: lines(&skin.sharp_edges),
-        obstacles: obstacles::drawn(report, origin)?,
+        obstacles: obstacles::drawn(report, series, origin)?,
         probes: probes.map(|(name, site)| ProbeData { name, node: site.node }).collect(),
         mesh_nodes: mesh.num_nodes(),
-        states: states.iter().zip(p99).map(typical).collect::<Result<_, _>>()?,
+        states: states.iter().zip(p99).zip(&series.times[1..]).map(typical).collect::<Result<_, _>>()?,
     })
 }
 
@@ -132,7 +136,7 @@ fn centre(points: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|d| 0.5 * (end(d, f64::min) + end(d, f64::max)))
 }
 
-fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateData, ReportError> {
+fn state_data(body: &Body, state: &State, von_mises_p99: f64, time: f64) -> Result<StateData, ReportError> {
     let quantised =
         |name: &str, values: &[f64]| Quantised::new(values).ok_or_else(|| ReportError::NotFinite(name.into()));
     // Between the nodes of hex20 a field may overshoot below zero, which neither of these can be.
@@ -141,7 +145,7 @@ fn state_data(body: &Body, state: &State, von_mises_p99: f64) -> Result<StateDat
     touching.sort_by(f64::total_cmp);
     let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
     Ok(StateData {
-        time: state.time,
+        time,
         displacement: quantised("displacement", &body.completed(state.displacement.as_flattened(), 3))?,
         von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
         contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,

@@ -1,7 +1,7 @@
 //! The table of results at every requested pressure or time.
 
 use maud::{Markup, html};
-use pneuflex_model::{Clock, SymmetryPlane};
+use pneuflex_model::{Clock, StateKind, SymmetryPlane};
 
 use crate::numbers::{fixed, number};
 use crate::report::Report;
@@ -70,6 +70,12 @@ pub fn results(report: &Report<'_>) -> Markup {
                                 th scope="row" {
                                     (number(step.when()))
                                     @if *is_on_the_way { " " span .unit { "on the way" } }
+                                    @match step.kind {
+                                        StateKind::Requested => {},
+                                        StateKind::GreatestLoad => { " " span .unit { "limit point, greatest" } },
+                                        StateKind::LeastLoad => { " " span .unit { "limit point, least" } },
+                                        StateKind::PastLimit => { " " span .unit { "past the limit" } },
+                                    }
                                 }
                                 @match row {
                                     Some(row) => @for column in &columns { td { (column.cells[*row]) } },
@@ -89,6 +95,13 @@ pub fn results(report: &Report<'_>) -> Markup {
             }
             @if report.problem.obstacles.iter().any(|thing| report.problem.symmetry.iter().any(|plane| !plane.is_symmetry_of(thing))) {
                 p .note { "An obstacle beside the plane of symmetry stands for two: the force is that on one of them." }
+            }
+            @if report.summary.has_turned() {
+                p .note {
+                    "From the first limit point on, states stand in the order in which the path comes to them: the " (report.parameter())
+                    " falls there while the " (report.noun()) " goes on to deform. Where it falls, the body does not stay by itself at that "
+                    (report.parameter()) "."
+                }
             }
             @if !on_the_way.is_empty() {
                 p .note {

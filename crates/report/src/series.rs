@@ -26,8 +26,12 @@ const LARGE: f64 = 1000.0;
 /// Numbers at rest and at every reached step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
-    /// The parameter of the load path, kPa for actuators: 0, then that of the reached steps.
+    /// Where the states stand along the slider: the parameter of the load path, kPa for actuators, 0, then that of the reached steps; where it
+    /// turned back, evenly spaced from there on.
     pub times: Vec<f64>,
+    /// The parameter there, where it turned back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<Vec<f64>>,
     /// How many of them, at the end, were not asked for: states on the way of a run that ended early.
     pub on_the_way: usize,
     /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
@@ -48,7 +52,7 @@ pub struct Plot {
     pub unit: &'static str,
     /// Whether the axis begins at zero.
     pub from_zero: bool,
-    /// What stands along the other axis; the parameter if it is left out.
+    /// What stands along the other axis; the parameter if it is left out and does not turn back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over: Option<Axis>,
     /// Its curves.
@@ -85,18 +89,33 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     if !times.iter().all(|time| time.is_finite()) {
         return not_finite();
     }
+    let turned = report.summary.has_turned();
+    let (times, parameters) = if turned { (along(&times), Some(times)) } else { (times, None) };
     if times.windows(2).any(|pair| pair[0] >= pair[1]) {
         return Err(ReportError::Order);
     }
     let collect = Collect { report, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
-    let (key_numbers, plots) = collect.plots()?;
+    let (key_numbers, mut plots) = collect.plots()?;
+    for plot in plots.iter_mut().filter(|plot| plot.over.is_none()) {
+        let axis = |values: &Vec<f64>| Axis { name: report.parameter().into(), unit: report.unit(), values: values.clone() };
+        plot.over = parameters.as_ref().map(axis);
+    }
     let on_the_way = report.summary.on_the_way.iter().filter(|step| step.reached.is_some()).count();
-    let series = Series { times, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots };
+    let series = Series { times, parameters, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots };
     let of_plots = (series.plots.iter().chain(&series.key_numbers))
         .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
         .flatten();
     let of_lines = series.centrelines.iter().flatten().flatten().flatten();
     if of_plots.chain(of_lines).all(|x| x.is_finite()) { Ok(series) } else { not_finite() }
+}
+
+/// Increasing numbers for values that rise from zero and then turn back: the values themselves up to where they do, from there on steps of
+/// the mean length before.
+fn along(values: &[f64]) -> Vec<f64> {
+    let rising = values.windows(2).take_while(|pair| pair[0] < pair[1]).count();
+    let step = values[rising] / rising.max(1) as f64;
+    let beyond = (1..values.len() - rising).map(|i| values[rising] + step * i as f64);
+    values[..=rising].iter().copied().chain(beyond).collect()
 }
 
 /// Collects the curves of a report.
@@ -139,7 +158,12 @@ impl Collect<'_> {
             let at_rest = measures::cavity_volume(self.report.problem, &self.rest)?;
             let volumes =
                 self.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
-            let volumes = volumes.into_iter().map(|mm3| mm3 / LARGE).collect();
+            let volumes: Vec<f64> = volumes.into_iter().map(|mm3| mm3 / LARGE).collect();
+            if self.report.summary.has_turned() {
+                let pressures = std::iter::once(0.0).chain(self.report.summary.reached().map(|(at, _)| at)).collect();
+                let over = Axis { name: "air volume".into(), unit: "cm³", values: volumes.clone() };
+                plots.push(Plot { over: Some(over), ..single("Pressure", "kPa", pressures) });
+            }
             plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
         }
         let force = |obstacle: &Obstacle| obstacle.force_n.map(length);
@@ -185,7 +209,7 @@ impl Collect<'_> {
         self.named(|reached| &reached.cavities, |cavity| cavity.pressure_kpa)
     }
 
-    /// Pressure and volume of every cavity against time, or against each other where the volume is given.
+    /// Pressure and volume of every cavity against time, or against each other where the volume is given or the path turned back.
     fn cavity_plots(&self, pressures: Vec<Curve>) -> Result<Vec<Plot>, ReportError> {
         let mut volumes = Vec::new();
         for cavity in &self.report.problem.cavities {
@@ -201,7 +225,7 @@ impl Collect<'_> {
             *value /= LARGE;
         }
         let pumped: BTreeMap<&str, &Curve> = (self.report.problem.cavities.iter())
-            .filter(|cavity| matches!(cavity.control, Control::Volume(_)))
+            .filter(|cavity| self.report.summary.has_turned() || matches!(cavity.control, Control::Volume(_)))
             .filter_map(|cavity| Some((cavity.name.as_str(), volumes.iter().find(|curve| curve.name == cavity.name)?)))
             .collect();
         let mut plots = Vec::new();

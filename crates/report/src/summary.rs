@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pneuflex_model::StateKind;
 use serde::Deserialize;
 
 /// Number of the form that numbers of the whole body have.
@@ -23,7 +24,7 @@ pub struct Summary {
     /// Version of the program that wrote it.
     #[serde(default)]
     pub version: String,
-    /// `converged`, `not-converged`, `running`, or a word of a later version.
+    /// `converged`, `past-limit`, `not-converged`, `running`, or a word of a later version.
     pub status: String,
     /// Why the run ended early.
     #[serde(default)]
@@ -36,7 +37,8 @@ pub struct Summary {
     /// Where the probes sit, by their names.
     #[serde(default)]
     pub probes: BTreeMap<String, ProbeSite>,
-    /// Requested pressures or times in increasing order.
+    /// Requested pressures or times in increasing order; of a path that was followed by its arc length with the states past its limit points,
+    /// in the path's order.
     pub steps: Vec<Step>,
     /// States of a run that ended early, beyond the last requested one that was reached; the last converged one comes last.
     #[serde(default)]
@@ -86,6 +88,9 @@ pub struct Step {
     /// Newton iterations spent since the previous step.
     #[serde(default)]
     pub iterations: usize,
+    /// Why it is there.
+    #[serde(default)]
+    pub kind: StateKind,
     /// What was found, if it was reached.
     #[serde(flatten)]
     pub reached: Option<Reached>,
@@ -221,6 +226,16 @@ impl Summary {
     /// The pressures (kPa) or times that were reached with what was found there, those on the way at the end.
     pub fn reached(&self) -> impl Iterator<Item = (f64, &Reached)> {
         self.steps.iter().chain(&self.on_the_way).filter_map(|step| Some((step.when(), step.reached.as_ref()?)))
+    }
+
+    /// Whether the path was followed to its end, past limit points.
+    pub fn is_past_limit(&self) -> bool {
+        self.status == "past-limit"
+    }
+
+    /// Whether the load parameter turned back along the path.
+    pub fn has_turned(&self) -> bool {
+        self.steps.iter().any(|step| step.kind != StateKind::Requested)
     }
 
     /// The warnings; those that older versions attached to steps if there is no list of them.

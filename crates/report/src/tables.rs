@@ -13,7 +13,7 @@ pub fn notices(report: &Report<'_>) -> Markup {
     let on_the_way = !summary.on_the_way.is_empty();
     let warnings = summary.all_warnings();
     html! {
-        @if !summary.is_converged() {
+        @if !summary.is_converged() && !summary.is_past_limit() {
             section .notice .failure role="alert" {
                 h2 { (status_text(summary)) }
                 @if let Some(failure) = &summary.failure { p { (failure) } }
@@ -52,6 +52,7 @@ fn warning_item(report: &Report<'_>, warning: &Warning) -> Markup {
 pub fn status_text(summary: &Summary) -> &str {
     match summary.status.as_str() {
         "converged" => "Converged",
+        "past-limit" => "Followed past its limit point",
         "not-converged" => "The run did not converge",
         "running" => "The run had not ended when this page was written",
         "interrupted" => "The run was interrupted",

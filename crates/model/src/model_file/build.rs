@@ -163,6 +163,8 @@ impl Steps {
             first_step: self.first_step.unwrap_or(first_of_deck.map_or(first, |step| step.min(first))),
             max_step,
             min_step,
+            continuation: self.continuation.unwrap_or(default.continuation),
+            states_past_limit: self.states_past_limit.unwrap_or(default.states_past_limit),
         }
     }
 }

@@ -146,6 +146,9 @@ impl Model {
         if solver.max_step.zip(solver.min_step).is_some_and(|(max, min)| max < min) {
             found.add("solver.max_step", &solver.max_step, "must not be below solver.min_step");
         }
+        if let Some(count) = solver.states_past_limit.filter(|count| !(1..=1000).contains(count)) {
+            found.add("solver.states_past_limit", &count, "must be from 1 to 1000");
+        }
         if let Some(count) = solver.max_iterations.filter(|count| !(2..=1000).contains(count)) {
             found.add("solver.max_iterations", &count, "must be from 2 to 1000");
         }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
 use crate::obstacle_table::ObstacleTable;
-use crate::options::{ContactMethod, MeshOptions, Output, Probe};
+use crate::options::{ContactMethod, Continuation, MeshOptions, Output, Probe};
 use crate::series::Series;
 
 /// A whole model file.
@@ -261,6 +261,12 @@ pub struct Steps {
     /// Smallest load step; 1/100,000 of the last time if it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_step: Option<f64>,
+    /// As for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continuation: Option<Continuation>,
+    /// As for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub states_past_limit: Option<usize>,
 }
 
 fn one() -> f64 {

@@ -1,7 +1,9 @@
 //! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
 //!
-//! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it.
+//! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it; `arc_length` goes on beyond limit
+//! points.
 
+mod arc_length;
 mod newton;
 mod predictor;
 mod step_control;
@@ -12,8 +14,10 @@ use std::time::Instant;
 
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::Mesh;
-use pneuflex_model::{Clock, LoadParameter, Problem, Solver};
+use pneuflex_model::{Clock, Continuation, LoadParameter, Problem, Solver};
 
+use self::newton::Driven;
+use crate::arc::{self, ArcEquation, ArcKind, ArcMemory};
 use crate::checkpoint::{Approach, Checkpoint};
 use crate::contributions::CavityPressures;
 use crate::convergence::Scales;
@@ -23,7 +27,7 @@ use crate::failure::{Cause, Failure, Stability};
 use crate::history::{Augmentation, ConvergedState};
 use crate::prescribed_motion::PrescribedMotion;
 use crate::stability::{self, Response};
-use crate::state::{Equilibrium, State};
+use crate::state::{Correction, Equilibrium, State};
 use crate::system::System;
 use crate::tangent_solver::Tangent;
 use crate::timing::{PathReport, Timing};
@@ -45,6 +49,12 @@ pub struct Path {
     is_careful: bool,
     /// Tangent near the present equilibrium, which predicts the next one.
     predictor: Option<Tangent>,
+    /// Change of all unknowns per change of the load parameter at the present equilibrium, if it is known.
+    rate: Option<Correction>,
+    /// What a path that is followed by its arc length remembers.
+    arc: ArcMemory,
+    /// The last requested position, if it is followed by its arc length.
+    last: LoadParameter,
     step: usize,
     iterations: usize,
     /// The way to the next requested position, if it has begun.
@@ -75,6 +85,8 @@ pub(crate) struct Converged {
     pub(crate) equilibrium: Equilibrium,
     /// Tangent near it.
     pub(crate) predictor: Option<Tangent>,
+    /// Change of all unknowns per change of the load parameter, if it was needed.
+    pub(crate) rate: Option<Correction>,
     pub(crate) iterations: usize,
 }
 
@@ -97,6 +109,7 @@ impl Path {
                 contact_points: 0,
                 is_inexact: false,
                 mesh_motions: None,
+                negative_pivots: 0,
             },
             previous: Vec::new(),
             is_careful: false,
@@ -106,6 +119,9 @@ impl Path {
             tuning,
             begin,
             predictor: None,
+            rate: None,
+            arc: ArcMemory::default(),
+            last: LoadParameter::default(),
             step: 0,
             iterations: 0,
             approach: None,
@@ -133,10 +149,19 @@ impl Path {
             self.predictor = Some(self.system.restore(linearisation)?);
         }
         let Checkpoint {
-            parameter, displacement, bordered, multipliers, contact_points, is_inexact, mesh_motions, ..
+            parameter,
+            displacement,
+            bordered,
+            multipliers,
+            contact_points,
+            is_inexact,
+            mesh_motions,
+            negative_pivots,
+            ..
         } = checkpoint;
         let state = State::new(parameter, displacement, bordered);
-        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions };
+        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots };
+        self.arc = checkpoint.arc;
         self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
@@ -209,6 +234,19 @@ impl Path {
         Ok(())
     }
 
+    /// Follows the path through the given positions (increasing), and tells the observer of each. By its arc length it goes on beyond limit
+    /// points: its states are told of as they come there, until the load parameter has risen to the last position again, would fall below
+    /// zero, or there are as many as [`Solver::states_past_limit`]. Positions above the limit point that it does not come to are passed over.
+    ///
+    /// # Errors
+    /// As [`Self::advance_to`].
+    pub fn follow(&mut self, parameters: &[LoadParameter], observer: Observer<'_>) -> Result<(), Failure> {
+        match self.settings.continuation {
+            Continuation::Load => parameters.iter().try_for_each(|&at| self.advance_and_tell(at, observer)),
+            Continuation::ArcLength => self.follow_arc(parameters, observer),
+        }
+    }
+
     /// One step to given displacements of the held degrees of freedom (mm, one entry per node) at the present position.
     ///
     /// # Errors
@@ -234,10 +272,15 @@ impl Path {
         held: Option<&[[f64; 3]]>,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
+        // Beyond a limit point, and there above all, the load parameter has to give way.
+        let rate = self.rate.take().filter(|_| held.is_none() && self.arc.is_past_limit());
         self.forget_predictor();
         let start = self.equilibrium.state.clone();
         self.system.predict(&start.displacement, None);
-        self.newton(start, held, Target::Requested, observer)
+        let Some(rate) = rate else { return self.newton(start, Driven::ByLoad(held), Target::Requested, observer) };
+        let weight = arc::weight(&start, self.arc.greatest, &rate);
+        let equation = ArcEquation { start: &start, weight, kind: ArcKind::Across(&rate) };
+        self.newton(start.clone(), Driven::ByArc(&equation), Target::Requested, observer)
     }
 
     /// An attempt becomes the present equilibrium.
@@ -251,10 +294,12 @@ impl Path {
             self.previous.clear();
         }
         self.predictor = converged.predictor;
+        self.rate = converged.rate;
         self.system.commit();
     }
 
     fn forget_predictor(&mut self) {
+        self.rate = None;
         self.system.recycle(self.predictor.take());
     }
 
@@ -307,11 +352,13 @@ impl Path {
 
     fn failure(&self, attempted: LoadParameter, cause: Cause) -> Failure {
         let reached = self.equilibrium.state.parameter;
-        Failure { reached, attempted, cause, stability: self.stability.clone(), clock: self.clock }
+        let is_past_limit = self.arc.is_past_limit();
+        Failure { reached, attempted, cause, stability: self.stability.clone(), clock: self.clock, is_past_limit }
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions } = self.equilibrium.clone();
+        let Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots } =
+            self.equilibrium.clone();
         Checkpoint {
             parameter: state.parameter,
             displacement: state.displacement,
@@ -329,6 +376,8 @@ impl Path {
             augmentation: self.augmentation.clone(),
             mesh_motions,
             is_careful: self.is_careful,
+            negative_pivots,
+            arc: self.arc.clone(),
         }
     }
 
@@ -337,6 +386,8 @@ impl Path {
         let Equilibrium { state, multipliers, contact_points, mesh_motions, .. } = &self.equilibrium;
         ConvergedState {
             parameter: state.parameter,
+            kind: self.arc.untold.unwrap_or_default(),
+            negative_pivots: self.equilibrium.negative_pivots,
             displacement: state.displacement.clone(),
             reaction: multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
             iterations,
@@ -354,7 +405,7 @@ impl Path {
     }
 }
 
-/// Follows the equilibrium path from rest through the given positions (increasing), each reached exactly.
+/// Follows the equilibrium path from rest through the given positions (increasing), each reached exactly; see [`Path::follow`].
 ///
 /// # Errors
 /// [`Failure`] when the load step falls below its least size, with what the run had cost; the observer has seen every
@@ -368,10 +419,9 @@ pub fn follow_path(
     let first = parameters.first().map_or(LoadParameter::default(), |&first| first.into());
     let mut path = Path::new(problem, settings)
         .map_err(|error| Box::new((Failure::at_rest(problem.clock, first, error.into()), PathReport::default())))?;
-    for &parameter in parameters {
-        if let Err(failure) = path.advance_and_tell(parameter, observer) {
-            return Err(Box::new((failure, path.report())));
-        }
+    let parameters: Vec<LoadParameter> = parameters.iter().map(|&parameter| parameter.into()).collect();
+    match path.follow(&parameters, observer) {
+        Ok(()) => Ok(path.report()),
+        Err(failure) => Err(Box::new((failure, path.report()))),
     }
-    Ok(path.report())
 }

@@ -1,12 +1,13 @@
 //! Newton's method at one load (theory §13).
 
 use super::{Converged, Path, Target};
+use crate::arc::ArcEquation;
 use crate::convergence::{Criteria, Scales};
 use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::globalisation::{Choice, Globalisation, Measures, Verdict};
 use crate::history::IterationRecord;
-use crate::prescribed_motion::is_felt;
+use crate::prescribed_motion::{PrescribedMotion, is_felt};
 use crate::state::{Correction, Equilibrium, State, difference};
 use crate::tangent_solver::{Assembled, Tangent};
 use crate::unstable_motion::UnstableMotions;
@@ -14,28 +15,70 @@ use crate::unstable_motion::UnstableMotions;
 /// Largest step to the first state with unstable motions of the mesh, relative to the load parameter there.
 const FIRST_UNSTABLE_STEP: f64 = 0.05;
 
+/// What drives the body in an attempt.
+pub(crate) enum Driven<'a> {
+    /// The loads of a position on the load path, and displacements wanted at held degrees of freedom (mm, one entry per node), if they are to
+    /// move.
+    ByLoad(Option<&'a [[f64; 3]]>),
+    /// An equation for the load parameter, which supports follow.
+    ByArc(&'a ArcEquation<'a>),
+}
+
+impl Driven<'_> {
+    fn held(&self, motion: &PrescribedMotion, state: &State) -> Option<Vec<[f64; 3]>> {
+        match self {
+            Self::ByLoad(held) => held.map(<[_]>::to_vec),
+            Self::ByArc(_) => motion.target(state.parameter),
+        }
+    }
+
+    /// Whether the load parameter falls along the path at a state that was found.
+    fn is_falling(&self, state: &State, rate: Option<&Correction>) -> bool {
+        match (self, rate) {
+            (Self::ByArc(arc), Some(rate)) => arc.is_falling(state, rate),
+            _ => false,
+        }
+    }
+}
+
 impl Path {
-    /// Newton's method from a guess; `held` are the displacements wanted at held degrees of freedom (mm, one entry per node), if they are
-    /// to move.
+    /// Newton's method from a guess. With an equation for it, the load parameter is an unknown.
     pub(crate) fn newton(
         &mut self,
         mut state: State,
-        held: Option<&[[f64; 3]]>,
+        driven: Driven<'_>,
         target: Target,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
+        let held = driven.held(&self.motion, &state);
         let is_driven = held.is_some() || self.motion.moves_obstacles;
-        let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, is_driven)?;
+        // Beyond a limit point loads may be small beside the stresses that they balance.
+        let scales = match driven {
+            Driven::ByLoad(_) => self.scales,
+            Driven::ByArc(_) => self.scales.stretched(&self.mesh, &state.displacement),
+        };
+        let criteria = Criteria::new(&mut self.system, &self.settings, &scales, &state, is_driven)?;
         let (tuning, settings) = (self.tuning.clone(), self.settings.clone());
         let mut policy = Globalisation::new(&tuning, &settings, &self.scales);
         let mut multipliers = self.equilibrium.multipliers.clone();
         let (mut at_hand, mut left): (Option<Tangent>, Vec<[f64; 3]>) = (None, Vec::new());
+        let mut rate = None;
         while let Some(choice) = policy.next_tangent() {
             self.check_stop()?;
             let (assembled, tangent) = self.linearise(&state, choice, at_hand.take())?;
-            let change = held.map(|held| difference(held, &state.displacement));
+            let change = driven.held(&self.motion, &state).map(|held| difference(&held, &state.displacement));
             let prescribed = change.filter(|change| is_felt(change, self.system.held(), self.scales.size));
             let mut correction = self.system.solve(&tangent, &assembled, prescribed.as_deref())?;
+            let mut change_of_parameter = 0.0;
+            if let Driven::ByArc(arc) = &driven {
+                let of_tangent = match rate.take().filter(|_| choice == Choice::AtHand) {
+                    Some(rate) => rate,
+                    None => self.rate_by(&tangent, &state)?,
+                };
+                change_of_parameter = arc.change_of_parameter(&state, &correction, &of_tangent);
+                correction = correction.plus(change_of_parameter, &of_tangent);
+                rate = Some(of_tangent);
+            }
             let updated = self.system.multipliers(&tangent, &assembled, &correction)?;
             let measures = self.measure(&assembled, &correction, [&updated, &multipliers]);
             multipliers = updated;
@@ -51,10 +94,13 @@ impl Path {
                     (at_hand, left) = (Some(tangent), assembled.residual);
                     continue;
                 }
-                Verdict::Shorten(share) => correction = correction.scaled(share),
+                Verdict::Shorten(share) => {
+                    (correction, change_of_parameter) = (correction.scaled(share), share * change_of_parameter);
+                }
                 Verdict::Accept => {}
             }
             self.system.apply(&mut state, &correction)?;
+            state.parameter = state.parameter + change_of_parameter;
             // Small corrections of an unstable tangent lead away from the path.
             let is_stable = tangent.negative_pivots() == 0;
             if target == Target::OnTheWay && is_stable && self.is_small(&state, &correction) {
@@ -66,25 +112,38 @@ impl Path {
                 } else {
                     Some(tangent)
                 };
-                let contact_points = assembled.contact_points;
-                let equilibrium =
-                    Equilibrium { state, multipliers, contact_points, is_inexact: true, mesh_motions: None };
-                return Ok(Converged { equilibrium, predictor, iterations: policy.iteration() });
+                let equilibrium = Equilibrium {
+                    state,
+                    multipliers,
+                    contact_points: assembled.contact_points,
+                    is_inexact: true,
+                    mesh_motions: None,
+                    negative_pivots: 0,
+                };
+                return Ok(Converged { equilibrium, predictor, rate: None, iterations: policy.iteration() });
             }
             if !policy.was_cautious() && criteria.may_be_met(&measures) {
                 let assembled = self.system.residual(&state)?;
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
-                    let mesh_motions = if is_stable {
+                    let is_unstable_by_limit =
+                        self.arc.is_past_limit() || driven.is_falling(&state, rate.as_ref());
+                    let mesh_motions = if is_stable || is_unstable_by_limit {
                         None
                     } else {
                         Some(self.judge_instability(&tangent, &assembled, &state, &criteria)?)
                     };
                     // Reactions of the final state, not of its linearisation.
-                    let (multipliers, contact_points) = (self.held_forces(&assembled), assembled.contact_points);
-                    let equilibrium =
-                        Equilibrium { state, multipliers, contact_points, is_inexact: false, mesh_motions };
-                    return Ok(Converged { equilibrium, predictor: Some(tangent), iterations: policy.iteration() });
+                    let equilibrium = Equilibrium {
+                        state,
+                        multipliers: self.held_forces(&assembled),
+                        contact_points: assembled.contact_points,
+                        is_inexact: false,
+                        mesh_motions,
+                        negative_pivots: tangent.negative_pivots(),
+                    };
+                    let predictor = Some(tangent);
+                    return Ok(Converged { equilibrium, predictor, rate, iterations: policy.iteration() });
                 }
             }
             if policy.is_stalled() {

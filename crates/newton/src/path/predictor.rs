@@ -2,11 +2,13 @@
 
 use pneuflex_model::LoadParameter;
 
+use super::newton::Driven;
 use super::{Converged, Path, Target};
 use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::stability;
 use crate::state::{Correction, State};
+use crate::tangent_solver::Tangent;
 
 impl Path {
     /// One load step towards `aim`, which becomes the position that is tried: a guess along the tangent, cut short where it
@@ -22,12 +24,12 @@ impl Path {
         let start = self.equilibrium.state.clone();
         self.system.begin_step(&start);
         let (correction, iterations) = self.guess(&start, *aim)?;
-        let state = self.shortened(&start, &correction, *aim)?;
+        let (state, _) = self.shortened(&start, &correction, *aim)?;
         *aim = state.parameter;
         let target = if *aim == requested || self.is_careful { Target::Requested } else { Target::OnTheWay };
         observer(Event::StepStarted { step: self.step, parameter: *aim });
         let held = self.motion.target(*aim);
-        let mut converged = self.newton(state, held.as_deref(), target, observer)?;
+        let mut converged = self.newton(state, Driven::ByLoad(held.as_deref()), target, observer)?;
         converged.iterations += iterations;
         if let Some(obstacle) = self.system.passed_through(&start, &converged.equilibrium.state) {
             self.system.recycle(converged.predictor);
@@ -41,15 +43,7 @@ impl Path {
     /// The present loads are in the factor, the new ones in the residual: with the new pressure in K as well, K is indefinite where the
     /// stresses that balance it are still missing.
     fn guess(&mut self, start: &State, wanted: LoadParameter) -> Result<(Correction, usize), Cause> {
-        let (tangent, iterations) = match self.predictor.take() {
-            Some(tangent) => (tangent, 0),
-            None => {
-                self.system.predict(&start.displacement, None);
-                let (_, tangent) = self.system.tangent(start)?;
-                self.iterations += 1;
-                (tangent, 1)
-            }
-        };
+        let (tangent, iterations) = self.take_predictor(start)?;
         let loaded = start.moved_to(wanted);
         let assembled = self.system.residual_ahead(&tangent, start, wanted)?;
         let change = self.motion.change(&loaded);
@@ -61,8 +55,24 @@ impl Path {
         Ok((correction, iterations))
     }
 
-    /// The state after as much of a guess as is safe, at the position on the load path that it is good for.
-    fn shortened(&mut self, start: &State, correction: &Correction, aim: LoadParameter) -> Result<State, Cause> {
+    /// A tangent near the present equilibrium, and the number of tangents that it took.
+    pub(super) fn take_predictor(&mut self, start: &State) -> Result<(Tangent, usize), Cause> {
+        if let Some(tangent) = self.predictor.take() {
+            return Ok((tangent, 0));
+        }
+        self.system.predict(&start.displacement, None);
+        let (_, tangent) = self.system.tangent(start)?;
+        self.iterations += 1;
+        Ok((tangent, 1))
+    }
+
+    /// The state after as much of a guess as is safe, at the position on the load path that it is good for, and that share of it.
+    pub(super) fn shortened(
+        &mut self,
+        start: &State,
+        correction: &Correction,
+        aim: LoadParameter,
+    ) -> Result<(State, f64), Cause> {
         let tuning = self.tuning.clone();
         let already = tuning.guess_deepening * self.system.deepest_penetration(start);
         let allowed = already.max(tuning.guess_penetration * self.scales.length);
@@ -77,7 +87,7 @@ impl Path {
             let is_last = share * tuning.shortening < shortest;
             if is_last || self.system.deepest_penetration(&trial) <= allowed {
                 self.system.predict_ahead(start, &guess, parameter);
-                return Ok(trial);
+                return Ok((trial, share));
             }
             share *= tuning.shortening;
         }

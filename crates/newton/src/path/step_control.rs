@@ -10,15 +10,17 @@ use crate::history::ConvergedState;
 use crate::tuning::Tuning;
 
 /// A last step that would leave a crumb takes it along.
-const CRUMB: f64 = 1.01;
+pub(super) const CRUMB: f64 = 1.01;
 
-/// One load step as it was tried.
-struct Attempt {
-    start: LoadParameter,
-    wanted: LoadParameter,
-    /// Where the guess was good for.
-    attempted: LoadParameter,
-    had_predictor: bool,
+/// One step as it was tried.
+pub(super) struct Attempt {
+    pub(super) start: LoadParameter,
+    /// Size that was wanted, and the one that the guess was good for.
+    pub(super) wanted: f64,
+    pub(super) tried: f64,
+    /// Where that led to.
+    pub(super) attempted: LoadParameter,
+    pub(super) had_predictor: bool,
 }
 
 impl Path {
@@ -42,7 +44,8 @@ impl Path {
             let had_predictor = self.predictor.is_some();
             let mut attempted = wanted;
             let outcome = self.load_step(&mut attempted, requested, observer);
-            let attempt = Attempt { start, wanted, attempted, had_predictor };
+            let (wanted, tried) = (wanted - start, attempted - start);
+            let attempt = Attempt { start, wanted, tried, attempted, had_predictor };
             match outcome {
                 Ok(converged) => self.accept(converged, &attempt, &mut approach, requested, observer)?,
                 Err(cause) => self.reject(cause, &attempt, &mut approach, observer)?,
@@ -51,7 +54,7 @@ impl Path {
         Ok(self.describe(self.iterations - approach.iterations_before, approach.load_steps))
     }
 
-    fn new_approach(&self) -> Approach {
+    pub(super) fn new_approach(&self) -> Approach {
         let is_at_rest = self.equilibrium.state.parameter <= LoadParameter::default();
         let step =
             if is_at_rest { self.settings.first_step.max(self.settings.min_step) } else { self.settings.max_step };
@@ -68,7 +71,7 @@ impl Path {
     ) -> Result<(), Failure> {
         approach.load_steps += 1;
         let is_easy = converged.iterations <= self.tuning.easy_iterations;
-        approach.after_accepted(attempt.wanted - attempt.start, is_easy, self.settings.max_step, &self.tuning);
+        approach.after_accepted(attempt.wanted, is_easy, self.settings.max_step, &self.tuning);
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
@@ -88,14 +91,14 @@ impl Path {
     }
 
     /// Halves the step.
-    fn reject(
+    pub(super) fn reject(
         &mut self,
         cause: Cause,
         attempt: &Attempt,
         approach: &mut Approach,
         observer: Observer<'_>,
     ) -> Result<(), Failure> {
-        let &Attempt { start, wanted, attempted, had_predictor } = attempt;
+        let &Attempt { start, wanted, tried, attempted, had_predictor } = attempt;
         self.system.revert();
         // A smaller step helps against none of them.
         if matches!(cause, Cause::Interrupted | Cause::OutOfMemory(_) | Cause::Rounding { .. }) {
@@ -103,11 +106,11 @@ impl Path {
         }
         observer(Event::StepRejected { step: self.step, parameter: attempted, cause: &cause });
         let least = self.settings.min_step;
-        approach.after_rejected(attempted - start);
+        approach.after_rejected(tried);
         if std::mem::take(&mut self.equilibrium.is_inexact) {
             // What is left of its residual misleads the guess; solved to the tolerances it gets a longer step again.
             self.confirm(observer);
-            let again = self.tuning.step_after_polishing * (wanted - start);
+            let again = self.tuning.step_after_polishing * wanted;
             approach.step = approach.step.max(again).max(least);
         }
         if had_predictor {
@@ -126,7 +129,7 @@ impl Path {
 
 impl Approach {
     /// Chooses the step after one of a size that was accepted: the same, or twice as large after an `is_easy` one.
-    fn after_accepted(&mut self, size: f64, is_easy: bool, max_step: f64, tuning: &Tuning) {
+    pub(super) fn after_accepted(&mut self, size: f64, is_easy: bool, max_step: f64, tuning: &Tuning) {
         if is_easy {
             self.step = (2.0 * size).min(max_step);
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_assembly::{Assembler, BorderedEquation, CondensedBlocks, Contribution, Couplings, Elimination};
-use pneuflex_assembly::{LocalContribution, LocalError, Position, Request, Unilateral};
+use pneuflex_assembly::{LocalContribution, LocalError, Position, Request, Totals, Unilateral};
 use pneuflex_factor::{FactorError, Ordering, Symbolic};
 
 use pneuflex_model::LoadParameter;
@@ -77,6 +77,35 @@ impl System {
         elimination.condense(totals.residual.as_flattened_mut());
         equations.iter_mut().for_each(|equation| elimination.condense(equation.column.as_flattened_mut()));
         Ok(Assembled { energy: totals.energy, residual: totals.residual.clone(), equations, contact_points })
+    }
+
+    /// Residual and equations of some of the contributions at a state, which they take. None of them may be contact.
+    pub(super) fn forces_of(
+        &mut self,
+        state: &State,
+        counts: impl Fn(&dyn Contribution) -> bool,
+    ) -> Result<Assembled, LocalError> {
+        let mut totals = Totals::default();
+        self.assembler.reset(&mut totals, Request::Residual);
+        let mut equations = Vec::new();
+        let mut index = 0;
+        let mut bordered = &state.bordered[..];
+        for contribution in &mut self.contributions {
+            let own = split(&mut bordered, contribution.as_ref());
+            if counts(contribution.as_ref()) {
+                contribution.set_position(Position { bordered: own, ..state.position() });
+                if let Some(blocks) = contribution.blocks() {
+                    let blocks = CondensedBlocks::new(blocks, &self.elimination);
+                    self.assembler.add(index, &blocks, &state.displacement, Request::Residual, &mut totals)?;
+                }
+                contribution.add_forces(&mut totals.residual);
+                equations.extend(contribution.bordered_equations(&state.displacement));
+            }
+            index += usize::from(has_fixed_blocks(contribution.as_ref()));
+        }
+        self.elimination.condense(totals.residual.as_flattened_mut());
+        equations.iter_mut().for_each(|equation| self.elimination.condense(equation.column.as_flattened_mut()));
+        Ok(Assembled { residual: totals.residual, equations, ..Assembled::default() })
     }
 
     /// The tangent's unsymmetric part between free degrees of freedom.

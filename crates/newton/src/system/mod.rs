@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_assembly::{
-    Assembler, CondensedBlocks, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals,
+    Assembler, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals,
     Unilateral,
 };
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
@@ -18,13 +18,13 @@ use crate::contributions::contributions_of;
 use crate::error::{AssembleError, SetupError};
 use crate::linearisation::{Linearisation, MixedLinearisation};
 use crate::rotation_update::{Extent, RotationUpdate};
-use crate::state::{Correction, State};
+use crate::state::{Correction, State, difference};
 use crate::tangent_solver::{Assembled, Buffers, Tangent};
 use crate::timing::Timing;
 
 mod assembling;
 
-use assembling::{assembler_of, has_fixed_blocks, split};
+use assembling::assembler_of;
 
 pub(crate) use assembling::unilateral;
 
@@ -320,24 +320,37 @@ impl System {
     /// # Errors
     /// [`LocalError`] of a load that cannot be evaluated.
     pub fn load_norm(&mut self, state: &State) -> Result<f64, LocalError> {
-        let mut totals = Totals::default();
-        self.assembler.reset(&mut totals, Request::Residual);
-        let mut index = 0;
-        let mut bordered = &state.bordered[..];
-        for contribution in &mut self.contributions {
-            let own = split(&mut bordered, contribution.as_ref());
-            if contribution.is_load() {
-                contribution.set_position(Position { bordered: own, ..state.position() });
-                if let Some(blocks) = contribution.blocks() {
-                    let blocks = CondensedBlocks::new(blocks, &self.elimination);
-                    self.assembler.add(index, &blocks, &state.displacement, Request::Residual, &mut totals)?;
-                }
-                contribution.add_forces(&mut totals.residual);
+        let loads = self.forces_of(state, |contribution| contribution.is_load())?;
+        Ok(self.free_norm(&loads.residual))
+    }
+
+    /// The change of all unknowns per change of the load parameter, K⁻¹ of the change of everything that it drives: loads, equations, supports
+    /// (`held` are the changes of their displacements, mm, one entry per node) and obstacles. `change` is the change of the parameter that it is
+    /// taken over; between the corners of their curves all these are linear in it. Contact stays at the position it took last.
+    ///
+    /// # Errors
+    /// As [`Self::solve`], or a load that cannot be evaluated.
+    pub fn rate(
+        &mut self,
+        tangent: &Tangent,
+        state: &State,
+        change: f64,
+        held: Option<&[[f64; 3]]>,
+    ) -> Result<Correction, AssembleError> {
+        let is_driven = |contribution: &dyn Contribution| contribution.is_load() || contribution.num_bordered() > 0;
+        let next = state.parameter + change;
+        let mut ahead = self.forces_of(&state.moved_to(next), is_driven)?;
+        // The contributions are back where they were.
+        let here = self.forces_of(state, is_driven)?;
+        ahead.residual = difference(&ahead.residual, &here.residual);
+        ahead.equations.iter_mut().zip(&here.equations).for_each(|(equation, here)| equation.value -= here.value);
+        for RigidMotion { curve, column } in tangent.motions() {
+            let moved = curve.at(next) - curve.at(state.parameter);
+            for (r, c) in ahead.residual.iter_mut().zip(column) {
+                *r = std::array::from_fn(|k| r[k] + moved * c[k]);
             }
-            index += usize::from(has_fixed_blocks(contribution.as_ref()));
         }
-        self.elimination.condense(totals.residual.as_flattened_mut());
-        Ok(self.free_norm(&totals.residual))
+        Ok(self.solve(tangent, &ahead, held)?.scaled(1.0 / change))
     }
 
     /// Norm of a nodal field over the free degrees of freedom.

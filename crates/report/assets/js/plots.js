@@ -190,14 +190,15 @@ class InPlane extends Plot {
 /** One quantity over another. */
 class Over extends InPlane {
   constructor(labels, ...more) {
-    super({ ...labels, xLabel: `${labels.over.name}, ${labels.over.unit}` }, ...more);
+    const { name, unit } = labels.over;
+    super({ ...labels, xLabel: unit ? `${name}, ${unit}` : name }, ...more);
   }
   texts(time) {
-    return [valueText(this.at(time)[1], this.unit)];
+    return Array.from(this.at(time).slice(1), (value) => valueText(value, this.unit));
   }
   points(time) {
-    const [x, y] = this.at(time);
-    return [[this.x(x), this.y(y)]];
+    const [x, ...values] = this.at(time);
+    return values.map((value) => [this.x(x), this.y(value)]);
   }
 }
 
@@ -259,8 +260,8 @@ function draw({ name, unit, from_zero: fromZero, over, curves }, clock) {
   const range = { ticks: [xTicks, yTicks], ends: ends([xTicks, yTicks]) };
   const columns = [...(over ? [over] : []), ...curves].map(({ values }) => values);
   const curve = new Curve(clock.computed, clock.computed.map((_, k) => Float64Array.from(columns, (values) => values[k])));
-  if (over) return new Over({ name, unit, over }, clock, curve, range);
   const names = curves.map((curve) => curve.name).filter(Boolean);
+  if (over) return new Over({ name, unit, names, over }, clock, curve, range);
   return new AgainstTime({ name, unit, names, xLabel: clock.label }, clock, curve, range);
 }
 

@@ -9,13 +9,15 @@ const SWEEP = 4;
 /** The time shown: the parameter that results depend on, whatever its name. */
 export class Clock {
   /**
-   * @param {{name: string, unit: string}} what what it stands for
+   * @param {{name: string, unit: string, parameters?: number[]}} what what it stands for, and its values where they turn back
    * @param {number[]} computed rest and the computed times
    * @param {number} onTheWay how many of them, at the end, were not asked for
    */
   constructor(what, computed, onTheWay = 0) {
     Object.assign(this, what);
     this.computed = computed;
+    /** The parameter along the path, where it turns back. */
+    this.course = what.parameters && new Curve(computed, what.parameters.map((x) => Float64Array.of(x)));
     /** Where those begin that were not asked for. */
     this.requested = computed.length - onTheWay;
     this.highest = computed[computed.length - 1];
@@ -24,18 +26,25 @@ export class Clock {
     /** What stands along an axis. */
     this.label = this.unit ? `${this.name}, ${this.unit}` : this.name;
     // A hundredth of a schedule is worth showing.
-    this.decimals = this.unit ? 1 : decimalsFor(this.highest, 3);
+    this.decimals = this.unit ? 1 : decimalsFor(Math.max(...(what.parameters ?? computed)), 3);
+  }
+
+  /** The parameter at a place of the slider. */
+  parameter(value) {
+    return this.course ? this.course.evaluate(value, new Float64Array(1))[0] : value;
   }
 
   /** A time in words, as it is now between two computed ones. */
   words(value) {
-    const text = fixed(value, this.decimals);
+    const text = fixed(this.parameter(value), this.decimals);
     return this.unit ? `${text} ${this.unit}` : `${this.name} ${text}`;
   }
 
   /** A computed time as somebody would write it. */
   written(value) {
-    return this.unit ? String(Number(value.toFixed(1))).replace("-", "−") : exact(value);
+    const parameter = this.parameter(value);
+    if (this.unit) return String(Number(parameter.toFixed(1))).replace("-", "−");
+    return this.course ? fixed(parameter, this.decimals) : exact(parameter);
   }
 
   /** The same in words. */

@@ -10,7 +10,7 @@ use pneuflex::model::model_file::{
     Steps, SupportTable, Times, TractionTable,
 };
 use pneuflex::model::{
-    Case, Contact, ContactMethod, Formulation, Load, Material, MeshOptions, ObstacleTable, Output, Probe, Resolution,
+    Case, Contact, ContactMethod, Continuation, Formulation, Load, Material, MeshOptions, ObstacleTable, Output, Probe, Resolution,
     Series, ShapeName, Size, Solver, Volumetric,
 };
 use pneuflex_laws::samples;
@@ -141,7 +141,18 @@ fn steps(dice: &mut Dice, end: f64) -> Steps {
         max_iterations: dice.maybe(0.3, |dice| dice.one_of(&[15, 40])),
         first_step: dice.maybe(0.4, |dice| dice.one_of(&[0.2, 0.5]) * end),
         max_step: dice.maybe(0.3, |dice| dice.one_of(&[0.3, 0.5]) * end),
-        min_step: dice.maybe(0.2, |_| 1e-4 * end),
+        ..with_continuation(dice.maybe(0.2, |_| 1e-4 * end))
+    }
+}
+
+/// The arc length as often as a least step is drawn: it finds the same states at the requested times.
+fn with_continuation(min_step: Option<f64>) -> Steps {
+    let is_arc = min_step.is_some();
+    Steps {
+        min_step,
+        continuation: is_arc.then_some(Continuation::ArcLength),
+        states_past_limit: is_arc.then_some(4),
+        ..Steps::default()
     }
 }
 
@@ -303,7 +314,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
     let target = Target::new(extent, edge(&mesh));
     let count = dice.one_of(&[0, 0, 1]);
     let faces = dice.one_of(&[None, Some("bottom".to_owned()), Some("outer".to_owned())]);
-    Case {
+    let mut case = Case {
         title: title(dice),
         mesh,
         material,
@@ -324,10 +335,17 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             first_step: 0.3 * last,
             max_step: last,
             min_step: 1e-4 * last,
+            continuation: Continuation::Load,
+            states_past_limit: 4,
         },
         output: Output { fields: dice.chance(0.8) },
         actuator,
+    };
+    // As often as there are no fields.
+    if !case.output.fields {
+        case.solver.continuation = Continuation::ArcLength;
     }
+    case
 }
 
 fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {

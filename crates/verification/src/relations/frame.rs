@@ -165,7 +165,16 @@ impl Frame {
         let (stress, volume) = (self.stress, self.length.powi(3));
         let per_length = stress / self.length;
         let time = |step: Option<f64>| step.map(|step| self.time * step);
-        let Steps { tolerance, residual_tolerance, max_iterations, first_step, max_step, min_step } = solver;
+        let Steps {
+            tolerance,
+            residual_tolerance,
+            max_iterations,
+            first_step,
+            max_step,
+            min_step,
+            continuation,
+            states_past_limit,
+        } = solver;
         Model {
             title,
             model: source,
@@ -258,6 +267,8 @@ impl Frame {
                 first_step: time(first_step),
                 max_step: time(max_step),
                 min_step: time(min_step),
+                continuation,
+                states_past_limit,
             },
             output,
         }

@@ -173,6 +173,8 @@ fn case_as_model(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
             first_step: Some(solver.first_step),
             max_step: Some(solver.max_step),
             min_step: Some(solver.min_step),
+            continuation: Some(solver.continuation),
+            states_past_limit: Some(solver.states_past_limit),
         },
         output,
         ..Model::default()
