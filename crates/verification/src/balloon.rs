@@ -148,6 +148,8 @@ fn follow(formulation: Formulation, material: Material, cells: [usize; 2], contr
 
 #[cfg(test)]
 mod tests {
+    use pneuflex_model::{Continuation, StateKind};
+
     use super::*;
 
     #[test]
@@ -169,6 +171,45 @@ mod tests {
         let control = Control::Volume(Curve::Proportional(change));
         let found = follow(Formulation::Hex27, stiff.clone(), [2, 2], control).unwrap();
         assert!((found / wall_pressure(&stiff, 1.8) - 1.0).abs() < 1e-5, "{found}");
+    }
+
+    /// By its arc length the path goes past the greatest pressure, and comes down along the curve of the sphere.
+    #[test]
+    fn the_falling_branch_is_that_of_the_sphere() {
+        let mut problem = sphere(Formulation::Hex27, neo_hookean(), [2, 2]);
+        problem.cavities[0].control = Control::Pressure(Curve::Proportional(0.001));
+        problem.clock = Clock::Pressure;
+        let (node, _) = problem.mesh.nearest_node([RADII[0], 0.0, 0.0]).unwrap();
+        let greatest = (1..200).map(|i| wall_pressure(&neo_hookean(), 1.0 + 0.005 * f64::from(i))).fold(0.0, f64::max);
+        let settings = Solver {
+            first_step: 5.0,
+            max_step: 1000.0 * greatest,
+            min_step: 0.01,
+            continuation: Continuation::ArcLength,
+            states_past_limit: 12,
+            ..Solver::default()
+        };
+        let requested = [400.0, 900.0, 1100.0].map(|share| share * greatest);
+        let (mut states, mut limit) = (Vec::new(), None);
+        let report = follow_path(&problem, &requested, &settings, &mut |event| {
+            if let Event::Converged(state) = event {
+                let stretch = 1.0 + state.displacement[node][0] / RADII[0];
+                states.push((state.kind, stretch, state.cavity_pressures[0].mpa(), state.negative_pivots));
+                limit = limit.or((state.kind == StateKind::GreatestLoad).then_some(state.parameter.0));
+            }
+        });
+        println!("{} iterations, limit {limit:?} kPa of {}", report.unwrap().iterations, 1e3 * greatest);
+        for &(kind, stretch, found, unstable) in &states {
+            let exact = wall_pressure(&neo_hookean(), stretch);
+            println!("{kind:?} {stretch:.4}: {found:.7} {exact:.7}, {unstable}");
+            assert!((found / exact - 1.0).abs() < 2e-3, "{stretch}: {found} {exact}");
+            assert!(kind != StateKind::PastLimit || unstable == 1, "{stretch}: {unstable}");
+        }
+        assert!((limit.unwrap() / (1e3 * greatest) - 1.0).abs() < 1e-3);
+        let kinds: Vec<StateKind> = states.iter().map(|state| state.0).collect();
+        assert_eq!(kinds[..3], [StateKind::Requested, StateKind::Requested, StateKind::GreatestLoad]);
+        assert_eq!(kinds.len(), 2 + 12);
+        assert!(states.last().unwrap().1 > 2.5, "{states:?}");
     }
 
     #[test]

@@ -19,6 +19,9 @@ const TURNED: f64 = 0.5;
 /// Steps that are no longer than this many times the least one may turn as far as this: where contact begins, a path has a corner.
 const CORNER: (f64, f64) = (100.0, 0.0);
 
+/// A step of a given load that is this many times as long as along the path's direction may have come to another branch, too.
+const LONGER: f64 = 2.0;
+
 /// A limit point is found when the load parameter differs by less than this share from its extreme value,
 const LIMIT_TOLERANCE: f64 = 1e-6;
 
@@ -102,7 +105,7 @@ impl Path {
         let change = attempt.wanted * direction.slope();
         let reachable = ahead.filter(|_| !is_blocked);
         if let Some(target) = reachable.filter(|target| start.parameter + CRUMB * change >= *target) {
-            return self.land(target, attempt, observer);
+            return self.land(target, (&direction, weight), attempt, observer);
         }
         let tangent = self.predictor.take();
         self.system.recycle(tangent);
@@ -111,10 +114,18 @@ impl Path {
         (attempt.tried, attempt.attempted) = (share * attempt.wanted, guess.parameter);
         observer(Event::StepStarted { step: self.step, parameter: guess.parameter });
         let equation = ArcEquation { start: &start, weight, kind: ArcKind::Sphere(attempt.tried) };
-        let mut converged = self.newton(guess, Driven::ByArc(&equation), Target::Requested, observer)?;
+        let mut kind = self.arc.is_past_limit().then_some(StateKind::PastLimit);
+        let mut converged = match self.newton(guess.clone(), Driven::ByArc(&equation), Target::Requested, observer) {
+            Ok(converged) => converged,
+            Err(Cause::Interrupted) => return Err(Cause::Interrupted),
+            Err(cause) => {
+                let converged = self.around_corner(guess, &direction, &equation, cause, observer)?;
+                let is_falling = self.falls(&equation, &converged);
+                return Ok(Some(Found { converged, kind, is_falling }));
+            }
+        };
         converged.iterations += iterations;
         let mut is_falling = self.falls(&equation, &converged);
-        let mut kind = self.arc.is_past_limit().then_some(StateKind::PastLimit);
         if let Err(cause) = self.check_branch(&start, &converged, &direction, (weight, attempt.tried)) {
             self.system.recycle(converged.predictor);
             return Err(cause);
@@ -131,7 +142,7 @@ impl Path {
             if is_blocked {
                 return Err(Cause::OtherBranch);
             }
-            return self.land(target, attempt, observer);
+            return self.land(target, (&direction, weight), attempt, observer);
         }
         if reached <= LoadParameter::default() {
             self.system.recycle(converged.predictor);
@@ -141,16 +152,60 @@ impl Path {
         Ok(Some(Found { converged, kind, is_falling }))
     }
 
+    /// Where contact begins on a path it has a corner, at which the load parameter may turn back at once. No guess along the path's direction
+    /// finds that: this one goes on in the displacements, and back in the load parameter. `cause` is why the first one failed.
+    fn around_corner(
+        &mut self,
+        guess: State,
+        direction: &Direction<'_>,
+        equation: &ArcEquation<'_>,
+        cause: Cause,
+        observer: Observer<'_>,
+    ) -> Result<Converged, Cause> {
+        let ArcKind::Sphere(size) = equation.kind else { return Err(cause) };
+        let start = equation.start;
+        if self.system.deepest_penetration(&guess) <= self.system.deepest_penetration(start) {
+            return Err(cause);
+        }
+        self.system.revert();
+        self.system.begin_step(start);
+        let back = guess.moved_to(start.parameter + -direction.sign * size);
+        let change = change_between(start, &back);
+        self.system.predict_ahead(start, &change, back.parameter);
+        let found = self.newton(back, Driven::ByArc(equation), Target::Requested, observer)?;
+        let change = change_between(start, &found.equilibrium.state);
+        let is_back = direction.cosine(&change.displacement, 0.0, equation.weight) <= 0.0;
+        if is_back || found.equilibrium.contact_points <= self.equilibrium.contact_points {
+            self.system.recycle(found.predictor);
+            return Err(cause);
+        }
+        Ok(found)
+    }
+
     /// A step to a requested position.
     fn land(
         &mut self,
         target: LoadParameter,
+        (direction, weight): (&Direction<'_>, f64),
         attempt: &mut Attempt,
         observer: Observer<'_>,
     ) -> Result<Option<Found>, Cause> {
         attempt.attempted = target;
+        let start = self.equilibrium.state.clone();
         let mut aim = target;
         let converged = self.load_step(&mut aim, target, observer)?;
+        let Correction { displacement, .. } = change_between(&start, &converged.equilibrium.state);
+        // Given its load, a body that snaps has one equilibrium after the snap.
+        let predicted = (aim - start.parameter) / direction.slope();
+        let checked = if arc::length(&displacement, aim - start.parameter, weight) > LONGER * predicted {
+            Err(Cause::OtherBranch)
+        } else {
+            self.check_branch(&start, &converged, direction, (weight, predicted))
+        };
+        if let Err(cause) = checked {
+            self.system.recycle(converged.predictor);
+            return Err(cause);
+        }
         Ok(Some(Found { converged, kind: None, is_falling: self.arc.is_falling }))
     }
 

@@ -6,12 +6,14 @@
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
+//! * [`arc_length`]: past limit points.
 //! * [`motion`]: obstacles that move, other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
 
 // Helpers count as tests here.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod arc_length;
 mod balance;
 mod cross_check;
 mod cross_check_loads;
