@@ -4,10 +4,10 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use pneuflex::diagnosis::limit_words;
 use pneuflex::model::{Clock, LoadParameter, StateKind};
 use pneuflex::newton::{Cause, IterationRecord};
 use pneuflex::post::summary::{ObstacleSummary, StepSummary};
-use pneuflex::diagnosis::limit_words;
 use pneuflex::{Event, ReachedState};
 
 use crate::terminal::{message, say};
@@ -139,7 +139,9 @@ fn state_lines(clock: Clock, summary: &StepSummary, points: usize, left: &str) -
     let angle = summary.end_face_angle_deg.map(|deg| format!(": end face turned by {deg:.2} deg")).unwrap_or_default();
     let reached = match summary.kind {
         StateKind::Requested => format!("{at} reached"),
-        StateKind::GreatestLoad | StateKind::LeastLoad => format!("limit point at {}, found", limit_words(clock, summary)),
+        StateKind::GreatestLoad | StateKind::LeastLoad => {
+            format!("limit point at {}, found", limit_words(clock, summary))
+        }
         StateKind::PastLimit => format!("past the limit point, {} found", limit_words(clock, summary)),
     };
     let mut lines = vec![format!("{reached} in {iterations} iterations{angle}{left}")];

@@ -125,8 +125,11 @@ impl ArcEquation<'_> {
 /// Weight of the displacements at a state, given the change of all unknowns per change of the load parameter there.
 pub(crate) fn weight(state: &State, greatest: f64, rate: &Correction) -> f64 {
     let size = dot(&state.displacement, &state.displacement);
-    let (size, parameter) =
-        if size > 0.0 && greatest > 0.0 { (size, greatest) } else { (dot(&rate.displacement, &rate.displacement), 1.0) };
+    let (size, parameter) = if size > 0.0 && greatest > 0.0 {
+        (size, greatest)
+    } else {
+        (dot(&rate.displacement, &rate.displacement), 1.0)
+    };
     if size > 0.0 { parameter * parameter / size } else { 0.0 }
 }
 
@@ -189,13 +192,18 @@ mod tests {
         let direction = Direction::after(&first, None, 0.5);
         assert!(direction.sign > 0.0 && direction.slope() > 0.0);
         let guess = direction.over(size);
-        let mut state = State::new(start.parameter.0 + size * direction.slope(), one(1.4 + guess.displacement[0][0]), Vec::new());
+        let mut state =
+            State::new(start.parameter.0 + size * direction.slope(), one(1.4 + guess.displacement[0][0]), Vec::new());
         for _ in 0..12 {
             let (u, t) = (state.displacement[0][0], state.parameter.0);
             let correction = rate((t - u.sin()) / u.cos());
             let along = rate(1.0 / u.cos());
             let change = equation.change_of_parameter(&state, &correction, &along);
-            state = State::new(t + change, one(u + correction.displacement[0][0] + change * along.displacement[0][0]), Vec::new());
+            state = State::new(
+                t + change,
+                one(u + correction.displacement[0][0] + change * along.displacement[0][0]),
+                Vec::new(),
+            );
         }
         let u = state.displacement[0][0];
         assert!((state.parameter.0 - u.sin()).abs() < 1e-12 && equation.value(&state).abs() < 1e-12);

@@ -143,7 +143,8 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
     if loaded.path.arc.is_past_limit() && analysis.solver.continuation == Continuation::Load {
-        let what = "the path there has passed a limit point, which only solver.continuation = \"arc-length\" goes on from";
+        let what =
+            "the path there has passed a limit point, which only solver.continuation = \"arc-length\" goes on from";
         return Err(again(what.to_owned()));
     }
     let count = requested_of(&loaded.recorded.steps).count();

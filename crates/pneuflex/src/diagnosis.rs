@@ -202,7 +202,9 @@ fn extreme(step: &StepSummary) -> &'static str {
 /// Where a limit point is: the pressure, for a model beside the time.
 pub fn limit_words(clock: Clock, step: &StepSummary) -> String {
     match clock {
-        Clock::Steps if step.pressure_kpa != 0.0 => format!("{:.4} kPa ({})", step.pressure_kpa, clock.words(step.when())),
+        Clock::Steps if step.pressure_kpa != 0.0 => {
+            format!("{:.4} kPa ({})", step.pressure_kpa, clock.words(step.when()))
+        }
         Clock::Pressure | Clock::Steps => clock.words(step.when()),
     }
 }

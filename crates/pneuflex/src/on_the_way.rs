@@ -49,8 +49,8 @@ pub fn on_the_way_number(number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneuflex_newton::{ArcMemory, Timing};
     use pneuflex_newton::checkpoint::Approach;
+    use pneuflex_newton::{ArcMemory, Timing};
 
     fn step(at: f64) -> Checkpoint {
         Checkpoint {

@@ -354,7 +354,14 @@ mod tests {
 
     fn failure(cause: Cause, softening: Option<f64>) -> Failure {
         let stability = Stability { softening, ..Stability::default() };
-        Failure { reached: LoadParameter(7.0), attempted: LoadParameter(8.0), cause, stability, clock: Clock::Pressure, is_past_limit: false }
+        Failure {
+            reached: LoadParameter(7.0),
+            attempted: LoadParameter(8.0),
+            cause,
+            stability,
+            clock: Clock::Pressure,
+            is_past_limit: false,
+        }
     }
 
     #[test]

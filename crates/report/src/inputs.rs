@@ -146,6 +146,8 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("solver.first_step", "first load step, in time", ""),
     ("solver.max_step", "largest load step, in time", ""),
     ("solver.min_step", "smallest load step, in time", ""),
+    ("solver.continuation", "what is prescribed from step to step", ""),
+    ("solver.states_past_limit", "states past the first limit point, at the most", ""),
     ("output.fields", "field files", ""),
 ];
 
@@ -277,7 +279,7 @@ mod tests {
                           "stiffness": 3}],
             "load": {"times": [1, 2]}, "probe": [{"name": "tip", "at": [18, 0, 0]}],
             "solver": {"tolerance": 1e-6, "residual_tolerance": 1e-6, "max_iterations": 9, "first_step": 0.1, "max_step": 1,
-                       "min_step": 0.01}
+                       "min_step": 0.01, "continuation": "arc-length", "states_past_limit": 7}
         }))
         .unwrap();
         let groups = groups(&model);

@@ -97,7 +97,8 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     let collect = Collect { report, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
     let (key_numbers, mut plots) = collect.plots()?;
     for plot in plots.iter_mut().filter(|plot| plot.over.is_none()) {
-        let axis = |values: &Vec<f64>| Axis { name: report.parameter().into(), unit: report.unit(), values: values.clone() };
+        let axis =
+            |values: &Vec<f64>| Axis { name: report.parameter().into(), unit: report.unit(), values: values.clone() };
         plot.over = parameters.as_ref().map(axis);
     }
     let on_the_way = report.summary.on_the_way.iter().filter(|step| step.reached.is_some()).count();

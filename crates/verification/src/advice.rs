@@ -105,6 +105,9 @@ const PULLED: &str = "[[support]]\nnodes = \"z0\"\naxes = \"xyz\"\n[[force]]\nno
 /// A strut that is pushed along its axis.
 const PUSHED: &str = "[[support]]\nnodes = \"x0\"\naxes = \"xyz\"\n[[force]]\nnodes = \"x1\"\ntotal = [-0.01, 0, 0]\n";
 
+/// Beyond a limit point, for a few states.
+const PAST: Changes = &[("solver.continuation", "arc-length"), ("solver.states_past_limit", "4")];
+
 const fn pulled(element: Formulation, cells: [usize; 3]) -> Input {
     block(element, [1.0, 1.0, 2.0], cells, PULLED)
 }
@@ -336,6 +339,21 @@ fn rows() -> Vec<Row> {
             (Edited("stops/balloon_pressure.toml", &[("pressure_kpa=20", "volume_mm3=1500")]), &[]),
             ToTheEnd,
         ),
+        row(
+            O::GreatestPressure,
+            R::ArcLength,
+            (File("stops/balloon_pressure.toml"), &[]),
+            (File("stops/balloon_pressure.toml"), PAST),
+            ToTheEnd,
+        ),
+        row(
+            O::PastLimit,
+            R::SmallerLoad,
+            (File("stops/balloon_pressure.toml"), PAST),
+            (Edited("stops/balloon_pressure.toml", &[("pressure_kpa=20", "pressure_kpa=11")]), PAST),
+            Gone,
+        ),
+        row(O::GreatestForce, R::ArcLength, slips, (slips.0, PAST), ToTheEnd),
         row(
             O::GreatestForce,
             R::SmallerLoad,

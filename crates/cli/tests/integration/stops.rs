@@ -82,6 +82,43 @@ fn a_balloon_ends_at_its_greatest_pressure_and_a_volume_passes_it() {
     assert_eq!(ended.code, 0, "{ended:?}");
 }
 
+/// By its arc length the balloon passes its greatest pressure, also in two runs, and the page shows a curve that turns back.
+#[test]
+fn a_balloon_is_followed_past_its_greatest_pressure() {
+    let scratch = Scratch::new("past");
+    let run = |out: &str, states: usize, more: &[&str]| {
+        let states = format!("solver.states_past_limit={states}");
+        let arguments = ["run", "--out", out, &fixture("balloon_pressure.toml"), "--set", &states];
+        let by_arc = ["--set", "solver.continuation=arc-length"];
+        let ended = scratch.run(&[&arguments[..], &by_arc, more].concat());
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let summary: Value =
+            serde_json::from_slice(&std::fs::read(scratch.path(out).join("summary.json")).unwrap()).unwrap();
+        (ended.err, summary)
+    };
+    let (said, whole) = run("whole", 4, &[]);
+    assert!(said.contains("limit point at 12.07") && said.contains("followed past the limit point"), "{said}");
+    assert_eq!(whole["status"], "past-limit");
+    let steps = whole["steps"].as_array().unwrap();
+    let kinds: Vec<&str> = steps.iter().map(|step| step["kind"].as_str().unwrap_or("-")).collect();
+    assert_eq!(kinds, ["-", "-", "-", "greatest-load", "past-limit", "past-limit", "past-limit", "-", "-"]);
+    assert!(steps[8]["converged"] == false && steps[8]["time"] == 1.0, "{}", steps[8]);
+    assert!(whole["warnings"][0]["kind"] == "limit-point", "{}", whole["warnings"]);
+    let page = std::fs::read_to_string(scratch.path("whole/report.html")).unwrap();
+    assert!(page.contains("\"parameters\":[0.0,0.25,") && page.contains("limit point, greatest"));
+
+    run("parts", 2, &[]);
+    let (said, parts) = run("parts", 4, &["--resume"]);
+    assert!(said.contains("going on from"), "{said}");
+    for (part, whole) in parts["steps"].as_array().unwrap().iter().zip(steps) {
+        let at = |step: &Value| step["time"].as_f64().unwrap();
+        assert!((at(part) - at(whole)).abs() < 1e-10 && part["kind"] == whole["kind"], "{part} {whole}");
+    }
+    assert_eq!(parts["steps"].as_array().unwrap().len(), steps.len());
+    let refused = scratch.run(&["run", "--out", "parts", &fixture("balloon_pressure.toml"), "--resume"]);
+    assert!(refused.code == 2 && refused.err.contains("has passed a limit point"), "{refused:?}");
+}
+
 /// The bar of `q1p0_pulled_bar.inp` of n × n × n bricks.
 fn pulled_bar(n: usize) -> String {
     let node = |i: usize, j: usize, k: usize| 1 + i + (n + 1) * (j + (n + 1) * k);

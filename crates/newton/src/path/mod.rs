@@ -160,7 +160,8 @@ impl Path {
             ..
         } = checkpoint;
         let state = State::new(parameter, displacement, bordered);
-        self.equilibrium = Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots };
+        self.equilibrium =
+            Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots };
         self.arc = checkpoint.arc;
         self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);

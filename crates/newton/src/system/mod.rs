@@ -7,8 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_assembly::{
-    Assembler, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals,
-    Unilateral,
+    Assembler, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals, Unilateral,
 };
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;

@@ -4,8 +4,8 @@
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_model::load::Load;
 use pneuflex_model::{
-    Clock, Continuation, Curve, Formulation, Invariant, Law, Material, Motion, Obstacle, Problem, Shape, Solver, StateKind,
-    Support,
+    Clock, Continuation, Curve, Formulation, Invariant, Law, Material, Motion, Obstacle, Problem, Shape, Solver,
+    StateKind, Support,
 };
 use pneuflex_newton::{Checkpoint, ConvergedState, Event, Path, follow_path};
 
@@ -26,7 +26,11 @@ fn arch() -> (Problem, u32) {
     let mut problem = Problem::body(mesh, Formulation::Hex20, Law::NeoHooke { c10: 0.2 }.into());
     problem.material = Material { bulk_modulus: 200.0, invariant: Invariant::Isochoric, ..problem.material };
     let hold = |name: &str, nodes, axes| Support { name: name.into(), nodes, axes, motion: None };
-    problem.supports = vec![hold("feet", feet, [true; 3]), hold("crown", crown, [true, false, false]), hold("middle", middle, [false, true, false])];
+    problem.supports = vec![
+        hold("feet", feet, [true; 3]),
+        hold("crown", crown, [true, false, false]),
+        hold("middle", middle, [false, true, false]),
+    ];
     problem.clock = Clock::Steps;
     (problem, node as u32)
 }

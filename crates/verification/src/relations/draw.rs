@@ -10,8 +10,8 @@ use pneuflex::model::model_file::{
     Steps, SupportTable, Times, TractionTable,
 };
 use pneuflex::model::{
-    Case, Contact, ContactMethod, Continuation, Formulation, Load, Material, MeshOptions, ObstacleTable, Output, Probe, Resolution,
-    Series, ShapeName, Size, Solver, Volumetric,
+    Case, Contact, ContactMethod, Continuation, Formulation, Load, Material, MeshOptions, ObstacleTable, Output, Probe,
+    Resolution, Series, ShapeName, Size, Solver, Volumetric,
 };
 use pneuflex_laws::samples;
 use rand::{RngExt, SeedableRng};
@@ -147,10 +147,11 @@ fn steps(dice: &mut Dice, end: f64) -> Steps {
 
 /// The arc length as often as a least step is drawn: it finds the same states at the requested times.
 fn with_continuation(min_step: Option<f64>) -> Steps {
-    let is_arc = min_step.is_some();
+    let Some(step) = min_step else { return Steps::default() };
+    let is_arc = step > 1.5e-4;
     Steps {
         min_step,
-        continuation: is_arc.then_some(Continuation::ArcLength),
+        continuation: Some(if is_arc { Continuation::ArcLength } else { Continuation::Load }),
         states_past_limit: is_arc.then_some(4),
         ..Steps::default()
     }
