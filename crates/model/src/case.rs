@@ -144,6 +144,7 @@ struct WrittenSolver {
     min_step_kpa: Option<f64>,
     continuation: Continuation,
     states_past_limit: usize,
+    imperfection: Option<f64>,
 }
 
 impl Default for WrittenSolver {
@@ -158,6 +159,7 @@ impl Default for WrittenSolver {
             min_step_kpa: None,
             continuation: default.continuation,
             states_past_limit: default.states_past_limit,
+            imperfection: None,
         }
     }
 }
@@ -183,6 +185,7 @@ impl From<Written> for Case {
             min_step,
             continuation: solver.continuation,
             states_past_limit: solver.states_past_limit,
+            imperfection: solver.imperfection,
         };
         for obstacle in &mut obstacles {
             obstacle.stiffness.get_or_insert(stiffness);

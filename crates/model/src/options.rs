@@ -127,6 +127,10 @@ pub struct Solver {
     pub continuation: Continuation,
     /// States that are recorded beyond the first limit point, at the most.
     pub states_past_limit: usize,
+    /// Largest displacement, mm, by which the body is pushed along the motion that becomes unstable where it buckles; `None` for a path that
+    /// ends there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imperfection: Option<f64>,
 }
 
 /// What is prescribed from step to step along a path of equilibria (theory §14).
@@ -171,6 +175,7 @@ impl Default for Solver {
             min_step: 1e-3,
             continuation: Continuation::Load,
             states_past_limit: 30,
+            imperfection: None,
         }
     }
 }
@@ -342,6 +347,9 @@ impl Solver {
         }
         if !(2..=1000).contains(&self.max_iterations) {
             found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");
+        }
+        if let Some(imperfection) = self.imperfection {
+            found.unless_positive("solver.imperfection", imperfection, Quantity::Length);
         }
         if !(1..=1000).contains(&self.states_past_limit) {
             found.add("solver.states_past_limit", &self.states_past_limit, "must be from 1 to 1000");

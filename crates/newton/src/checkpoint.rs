@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::arc::ArcMemory;
 use crate::contributions::CavityPressures;
 use crate::error::{Misfit, SetupError};
-use crate::history::{Augmentation, ConvergedState};
+use crate::history::{Augmentation, Bifurcation, ConvergedState};
 use crate::linearisation::Linearisation;
 use crate::state::State;
 use crate::timing::Timing;
@@ -63,6 +63,9 @@ pub struct Checkpoint {
     /// What a path that is followed by its arc length remembers.
     #[serde(default)]
     pub arc: ArcMemory,
+    /// Where the path has left a branch since the last state that was told of.
+    #[serde(default)]
+    pub bifurcations: Vec<Bifurcation>,
 }
 
 /// The way to a requested position.
@@ -99,6 +102,7 @@ impl Checkpoint {
             augmentation: self.augmentation.clone(),
             displacement: state.displacement,
             mesh_motions: self.mesh_motions,
+            bifurcations: self.bifurcations.clone(),
         })
     }
 
@@ -125,6 +129,7 @@ impl Checkpoint {
             || self.parameter.0 <= 0.0
             || self.approach.step <= 0.0
             || !self.arc.greatest.is_finite()
+            || !self.bifurcations.iter().all(|bifurcation| field(&bifurcation.mode) && bifurcation.size.is_finite())
             || self.arc.last.as_ref().is_some_and(|(change, by)| !field(change) || !by.is_finite())
         {
             return Err(Misfit("its state"));

@@ -58,6 +58,21 @@ pub struct ConvergedState {
     pub augmentation: Option<Augmentation>,
     /// Motions of the mesh that release energy there, if there are any.
     pub mesh_motions: Option<UnstableMotions>,
+    /// Where the path has left a branch since the state before.
+    pub bifurcations: Vec<Bifurcation>,
+}
+
+/// Where a path left a branch of equilibria that becomes unstable for another one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bifurcation {
+    /// Position of the last equilibrium before it.
+    pub parameter: LoadParameter,
+    /// The motion that becomes unstable, its largest displacement 1, one entry per node.
+    pub mode: Vec<[f64; 3]>,
+    /// Its largest displacement in the guess that led to the other branch, mm.
+    pub size: f64,
+    /// Where it strains the body.
+    pub motions: UnstableMotions,
 }
 
 /// The contact of a state as an augmented Lagrangian left it.

@@ -74,7 +74,7 @@ impl UnstableMotions {
         self.volumetric_share > VOLUMETRIC
     }
 
-    /// Those at an equilibrium, from the tangent and what was assembled there; `None` if they are not found.
+    /// Those at an equilibrium, from the tangent and what was assembled there, and the softest of them; `None` if they are not found.
     ///
     /// # Errors
     /// A tangent that cannot be solved with.
@@ -84,14 +84,15 @@ impl UnstableMotions {
         tangent: &Tangent,
         assembled: &Assembled,
         displacement: &[[f64; 3]],
-    ) -> Result<Option<Self>, AssembleError> {
+    ) -> Result<Option<(Self, Vec<[f64; 3]>)>, AssembleError> {
         let count = tangent.negative_pivots();
         if count == 0 || count > MOST {
             return Ok(None);
         }
-        let motions = negative_motions(system, tangent, assembled, count)?;
+        let Some(motions) = negative_motions(system, tangent, assembled, count)? else { return Ok(None) };
         let tensions = system.element_tensions(displacement);
-        Ok(motions.and_then(|motions| Self::in_common(mesh, displacement, &motions, &tensions)))
+        let found = Self::in_common(mesh, displacement, &motions, &tensions);
+        Ok(found.zip(motions.into_iter().next()))
     }
 
     /// What can be said of the motion in which a body gives way to a small change of its loads.
@@ -137,7 +138,7 @@ impl UnstableMotions {
     }
 }
 
-/// Motions that span those of negative energy, by Lanczos' method for K⁻¹ from two vectors of noise: its negative eigenvalues are one end of
+/// Motions that span those of negative energy, the softest first, by Lanczos' method for K⁻¹ from two vectors of noise: its negative eigenvalues are one end of
 /// the spectrum, whatever their size. `None` if not all were found.
 fn negative_motions(
     system: &mut System,
@@ -176,7 +177,8 @@ fn negative_motions(
         done += 1;
     }
     let pairs = SymmetricEigen::new(projected.view((0, 0), (done, done)).into_owned());
-    let negative: Vec<usize> = (0..done).filter(|&k| pairs.eigenvalues[k] < 0.0).collect();
+    let mut negative: Vec<usize> = (0..done).filter(|&k| pairs.eigenvalues[k] < 0.0).collect();
+    negative.sort_by(|&a, &b| pairs.eigenvalues[a].total_cmp(&pairs.eigenvalues[b]));
     if negative.len() != count {
         return Ok(None);
     }

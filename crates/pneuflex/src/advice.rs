@@ -42,6 +42,8 @@ pub enum Remedy {
     PumpVolume,
     /// A motion instead of a force.
     PrescribeMotion,
+    /// A push along the motion that buckles.
+    Imperfection,
     /// The arc length instead of the load parameter.
     ArcLength,
     /// Less memory, or more of it.
@@ -151,11 +153,13 @@ pub enum Occasion {
     HardlyMoves,
     /// States beyond a limit point, at which a body does not stay by itself.
     PastLimit,
+    /// A body that buckled, and was followed.
+    Buckled,
 }
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::OutOfMemory,
         Self::BadEquations,
         Self::Rounding,
@@ -194,6 +198,7 @@ impl Occasion {
         Self::Acceleration,
         Self::HardlyMoves,
         Self::PastLimit,
+        Self::Buckled,
     ];
 
     /// What helps, the best first. A remedy that a kind of file or problem has not is left out where advice is given.
@@ -205,7 +210,7 @@ impl Occasion {
             Self::Rounding => &[R::ResidualTolerance],
             Self::NoStiffnessLeft => &[R::SmallerLoad, R::ThickerWalls, R::FittedConstants],
             Self::NotHeld => &[R::Hold, R::TouchAtRest],
-            Self::Buckling => &[R::SmallerLoad, R::Stockier],
+            Self::Buckling => &[R::SmallerLoad, R::Stockier, R::Imperfection],
             Self::FirstStep => &[R::SmallerSteps],
             Self::ElementMotion => &[R::BetterElements, R::FinerMesh],
             Self::VolumetricMotion => &[R::Isochoric, R::BetterElements, R::FinerMesh],
@@ -234,6 +239,7 @@ impl Occasion {
             Self::Pressure => &[R::Pressures],
             Self::Acceleration => &[R::Accelerations],
             Self::PastLimit => &[R::SmallerLoad],
+            Self::Buckled => &[R::SmallerLoad, R::Stockier],
             Self::HardlyMoves => &[R::Moduli, R::Pressures],
         }
     }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use pneuflex_model::Problem;
-use pneuflex_newton::ConvergedState;
-use pneuflex_post::summary::{self, Described, ProbeSite, State};
+use pneuflex_newton::{Bifurcation, ConvergedState};
+use pneuflex_post::fields;
+use pneuflex_post::summary::{self, BifurcationSummary, Described, ProbeSite, State};
 
 use crate::error::ResultsError;
 use crate::reason::mesh_motions;
@@ -22,6 +23,12 @@ pub fn describe(
     let described = summary::describe(problem, sites, &state);
     let mut described = described.map_err(|source| failed(problem, equilibrium, source))?;
     described.summary.kind = equilibrium.kind;
+    let summary = |left: &Bifurcation| BifurcationSummary {
+        at: left.parameter,
+        near_mm: left.motions.place,
+        pushed_mm: left.size,
+    };
+    described.summary.bifurcations = equilibrium.bifurcations.iter().map(summary).collect();
     if equilibrium.mesh_motions.is_none() {
         described.summary.unstable_motions = equilibrium.negative_pivots;
     }
@@ -40,6 +47,15 @@ pub fn field_files(
 ) -> Result<(String, Option<String>), ResultsError> {
     let files = described.field_files(problem, &as_described(equilibrium));
     files.map_err(|source| failed(problem, equilibrium, source))
+}
+
+/// The text of the field file of a motion along which the body buckled.
+///
+/// # Errors
+/// [`ResultsError::Derived`].
+pub fn mode_file(problem: &Problem, left: &Bifurcation) -> Result<String, ResultsError> {
+    let file = fields::mode(problem, &left.mode, left.parameter.0).and_then(|grid| grid.to_vtu());
+    file.map_err(|source| ResultsError::Derived { at: problem.clock.words(left.parameter), source })
 }
 
 fn failed(problem: &Problem, equilibrium: &ConvergedState, source: pneuflex_post::PostError) -> ResultsError {

@@ -75,6 +75,8 @@ pub enum WarningKind {
     Units,
     /// The load parameter has a greatest value, beyond which the path was followed.
     LimitPoint,
+    /// The body buckles, and the path was led along the softest motion.
+    Bifurcation,
 }
 
 /// What results are about.
@@ -118,6 +120,9 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     }
     if let (Some(first), _) = first_and_last(steps, |step| step.kind == StateKind::GreatestLoad) {
         add(WarningKind::LimitPoint, Some(first), past_limit(subject, first, steps), Occasion::PastLimit);
+    }
+    if let (Some(first), _) = first_and_last(steps, |step| !step.bifurcations.is_empty()) {
+        add(WarningKind::Bifurcation, Some(first), buckled(subject, steps), Occasion::Buckled);
     }
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.unmet_tolerance.is_some()) {
         let message = format!(
@@ -192,6 +197,21 @@ fn past_limit(subject: Subject<'_>, limit: &StepSummary, steps: &[StepSummary]) 
         limit_words(clock, limit),
         extreme(limit),
         plural(beyond, "state"),
+    )
+}
+
+/// What is said of a body that buckled and was followed.
+fn buckled(subject: Subject<'_>, steps: &[StepSummary]) -> String {
+    let places: Vec<String> = (steps.iter().flat_map(|step| &step.bifurcations))
+        .map(|left| {
+            let [x, y, z] = left.near_mm;
+            let at = subject.problem.clock.words(left.at);
+            format!("beyond {at}, most near ({x:.1}, {y:.1}, {z:.1}) mm (pushed by {:.3} mm)", left.pushed_mm)
+        })
+        .collect();
+    format!(
+        "the body buckles {}; the results beyond are those of one of the shapes that it may take, its motions are in fields/mode_*.vtu",
+        places.join(", then ")
     )
 }
 

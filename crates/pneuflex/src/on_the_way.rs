@@ -72,6 +72,7 @@ mod tests {
             is_careful: false,
             negative_pivots: 0,
             arc: ArcMemory::default(),
+            bifurcations: Vec::new(),
         }
     }
 

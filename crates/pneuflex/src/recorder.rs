@@ -297,6 +297,10 @@ impl<'a> Recorder<'a> {
                 self.folder.write(&format!("fields/{name}_{number}.vtu"), &text)?;
             }
         }
+        for (index, left) in equilibrium.bifurcations.iter().enumerate() {
+            let text = derived::mode_file(&self.analysis.problem, left)?;
+            self.folder.write(&format!("fields/mode_{number}_{}.vtu", index + 1), &text)?;
+        }
         self.list_fields(along, number);
         self.folder.write(SERIES, series(&self.series))
     }

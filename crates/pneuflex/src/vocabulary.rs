@@ -74,6 +74,7 @@ impl Vocabulary {
             Remedy::PumpVolume if problem.cavities.is_empty() => return None,
             Remedy::PumpVolume => self.pump().into(),
             Remedy::PrescribeMotion => self.drive().into(),
+            Remedy::Imperfection => self.imperfection().into(),
             Remedy::ArcLength => self.arc_length().into(),
             Remedy::Memory => {
                 "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)".into()
@@ -204,6 +205,17 @@ impl Vocabulary {
                 "write a model file around the deck, and pump a volume into a [[cavity]] (volume_mm3): a volume passes the limit"
             }
             Self::Program => "pump a volume into the cavity instead of giving its pressure: a volume passes the limit",
+        }
+    }
+
+    /// How a body is led on where it buckles.
+    fn imperfection(self) -> &'static str {
+        match self {
+            Self::Program => "let it buckle (Solver::imperfection, mm)",
+            Self::Deck => "let it buckle, in a model file around the deck",
+            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+                "let it buckle (solver.imperfection, a tenth of the thickness of what buckles, mm)"
+            }
         }
     }
 

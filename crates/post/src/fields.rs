@@ -19,12 +19,8 @@ use crate::vtu::{Field, Grid};
 /// Displacements of the wrong length or with a number that is not finite.
 pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, time: f64) -> Result<Grid, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
-    let mesh = &problem.mesh;
     let nodal = stress.at_nodes(problem);
-    let mut grid = Grid { points: mesh.nodes.clone(), time, ..Grid::default() };
-    for element in 0..mesh.num_elements() {
-        grid.push_cell(mesh.kind_of(element).vtk_cell_type, mesh.element(element).iter().copied());
-    }
+    let mut grid = at_rest(problem, time);
     grid.point_data = vec![
         Field::vector("displacement", displacement.as_flattened().to_vec()),
         Field::scalar("von_mises", nodal.iter().map(|s| von_mises(*s)).collect()),
@@ -32,6 +28,27 @@ pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, 
     ];
     grid.cell_data = vec![Field::scalar("pressure", stress.element_pressures())];
     Ok(grid)
+}
+
+/// The body in its reference position with the motion `mode` at the nodes, along which it buckles at `time`.
+///
+/// # Errors
+/// A motion of the wrong length or with a number that is not finite.
+pub fn mode(problem: &Problem, mode: &[[f64; 3]], time: f64) -> Result<Grid, PostError> {
+    check("mode", mode.as_flattened(), problem.num_dofs())?;
+    let mut grid = at_rest(problem, time);
+    grid.point_data = vec![Field::vector("mode", mode.as_flattened().to_vec())];
+    Ok(grid)
+}
+
+/// The elements of the body in its reference position.
+fn at_rest(problem: &Problem, time: f64) -> Grid {
+    let mesh = &problem.mesh;
+    let mut grid = Grid { points: mesh.nodes.clone(), time, ..Grid::default() };
+    for element in 0..mesh.num_elements() {
+        grid.push_cell(mesh.kind_of(element).vtk_cell_type, mesh.element(element).iter().copied());
+    }
+    grid
 }
 
 /// A face of [`contact_walls`].

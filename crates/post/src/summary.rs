@@ -98,6 +98,20 @@ pub struct StepSummary {
     /// Motions by which the body would go away if the loads kept their values; left out if there are none.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unstable_motions: usize,
+    /// Where the body has buckled since the state before; left out if it has not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bifurcations: Vec<BifurcationSummary>,
+}
+
+/// Where a body buckled, and the path left the branch that becomes unstable there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BifurcationSummary {
+    /// Position on the load path of the last equilibrium before: the pressure in kPa of an actuator, else a time.
+    pub at: LoadParameter,
+    /// Place that the motion strains most, at rest, mm.
+    pub near_mm: [f64; 3],
+    /// Largest displacement by which the body was pushed along the motion to find the other branch, mm.
+    pub pushed_mm: f64,
 }
 
 impl StepSummary {
@@ -290,6 +304,7 @@ pub fn describe(
         mesh_instability: None,
         kind: StateKind::default(),
         unstable_motions: 0,
+        bifurcations: Vec::new(),
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })

@@ -148,6 +148,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("solver.min_step", "smallest load step, in time", ""),
     ("solver.continuation", "what is prescribed from step to step", ""),
     ("solver.states_past_limit", "states past the first limit point, at the most", ""),
+    ("solver.imperfection", "displacement along the motion that buckles", "mm"),
     ("output.fields", "field files", ""),
 ];
 
@@ -279,7 +280,7 @@ mod tests {
                           "stiffness": 3}],
             "load": {"times": [1, 2]}, "probe": [{"name": "tip", "at": [18, 0, 0]}],
             "solver": {"tolerance": 1e-6, "residual_tolerance": 1e-6, "max_iterations": 9, "first_step": 0.1, "max_step": 1,
-                       "min_step": 0.01, "continuation": "arc-length", "states_past_limit": 7}
+                       "min_step": 0.01, "continuation": "arc-length", "states_past_limit": 7, "imperfection": 0.1}
         }))
         .unwrap();
         let groups = groups(&model);

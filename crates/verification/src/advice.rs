@@ -114,6 +114,12 @@ const fn pulled(element: Formulation, cells: [usize; 3]) -> Input {
 
 const STRUT: Input = block(Formulation::Hex20, [20.0, 2.0, 1.0], [8, 1, 1], PUSHED);
 
+/// A third more than Euler's load; the same with leave to buckle, and less.
+const STRAIGHT: Changes = &[MORE, ("solver.max_step", "0.2")];
+const BUCKLES: Changes = &[MORE, ("solver.max_step", "0.2"), ("solver.imperfection", "0.1")];
+const LESS: Changes = &[("force", "[{ nodes = \"x1\", total = [-0.0005, 0, 0] }]"), ("solver.imperfection", "0.1")];
+const MORE: (&str, &str) = ("force", "[{ nodes = \"x1\", total = [-0.0008, 0, 0] }]");
+
 /// A flat membrane with clamped edges, blown up.
 const fn membrane(thickness: f64) -> Input {
     block(
@@ -281,6 +287,15 @@ fn rows() -> Vec<Row> {
             (block(Formulation::Hex20, [20.0, 2.0, 1.5], [8, 1, 1], PUSHED), &[]),
             Further(1.0),
         ),
+        row(O::Buckling, R::Imperfection, (STRUT, STRAIGHT), (STRUT, BUCKLES), ToTheEnd),
+        row(
+            O::Buckled,
+            R::Stockier,
+            (STRUT, BUCKLES),
+            (block(Formulation::Hex20, [20.0, 2.0, 1.5], [8, 1, 1], PUSHED), BUCKLES),
+            Gone,
+        ),
+        row(O::Buckled, R::SmallerLoad, (STRUT, BUCKLES), (STRUT, LESS), Gone),
         row(O::FirstStep, R::SmallerSteps, (STRUT, one_step), (STRUT, small_first), To(O::Buckling, 0.0)),
         row(
             O::ElementMotion,

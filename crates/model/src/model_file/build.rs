@@ -165,6 +165,7 @@ impl Steps {
             min_step,
             continuation: self.continuation.unwrap_or(default.continuation),
             states_past_limit: self.states_past_limit.unwrap_or(default.states_past_limit),
+            imperfection: self.imperfection,
         }
     }
 }

@@ -138,6 +138,7 @@ impl Model {
             ("solver.first_step", solver.first_step, Quantity::Time),
             ("solver.max_step", solver.max_step, Quantity::Time),
             ("solver.min_step", solver.min_step, Quantity::Time),
+            ("solver.imperfection", solver.imperfection, Quantity::Length),
         ] {
             if let Some(value) = value {
                 found.unless_positive(key, value, quantity);

@@ -267,6 +267,9 @@ pub struct Steps {
     /// As for actuators.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states_past_limit: Option<usize>,
+    /// As for actuators, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imperfection: Option<f64>,
 }
 
 fn one() -> f64 {

@@ -10,7 +10,7 @@ use crate::checkpoint::Approach;
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure};
 use crate::stability;
-use crate::state::{Correction, State, difference};
+use crate::state::{Correction, Equilibrium, State, difference};
 use crate::tangent_solver::Tangent;
 
 /// A step that turns further from the path's direction, by its cosine, may have come to another branch, and is halved.
@@ -70,10 +70,24 @@ impl Path {
                     self.accept_arc(found, &attempt, &mut approach, next, observer)?;
                 }
                 Ok(None) => return Ok(()),
-                Err(cause) => {
-                    is_blocked |= attempt.attempted == next;
-                    self.reject(cause, &attempt, &mut approach, observer)?;
-                }
+                Err(cause) => match self.leave_branch(&cause, [attempt.attempted, next], observer) {
+                    Some(converged) => {
+                        let is_falling = converged.equilibrium.state.parameter < at;
+                        let kind = is_falling.then_some(StateKind::PastLimit);
+                        attempt.attempted = converged.equilibrium.state.parameter;
+                        self.accept_arc(
+                            Found { converged, kind, is_falling },
+                            &attempt,
+                            &mut approach,
+                            next,
+                            observer,
+                        )?;
+                    }
+                    None => {
+                        is_blocked |= attempt.attempted == next;
+                        self.reject(cause, &attempt, &mut approach, observer)?;
+                    }
+                },
             }
         }
     }
@@ -83,6 +97,7 @@ impl Path {
         let state = self.describe(self.iterations - approach.iterations_before, approach.load_steps);
         observer(Event::Converged(&state));
         self.arc.untold = None;
+        self.bifurcations.clear();
         (approach.load_steps, approach.iterations_before) = (0, self.iterations);
     }
 
@@ -129,6 +144,11 @@ impl Path {
         if let Err(cause) = self.check_branch(&start, &converged, &direction, (weight, attempt.tried)) {
             self.system.recycle(converged.predictor);
             return Err(cause);
+        }
+        if is_falling != self.arc.is_falling {
+            // The tangent is one of the iterations; near to a singular one that may say the wrong thing.
+            self.sharpen(&mut converged)?;
+            is_falling = self.falls(&equation, &converged);
         }
         if is_falling != self.arc.is_falling {
             kind = Some(if is_falling { StateKind::GreatestLoad } else { StateKind::LeastLoad });
@@ -276,6 +296,7 @@ impl Path {
             let iterations = found.iterations;
             found = self.newton(state, Driven::ByArc(&equation), Target::Requested, observer)?;
             found.iterations += iterations;
+            self.sharpen(&mut found)?;
             let slope = self.slope(start, &found, weight);
             let rise = found.equilibrium.state.parameter - start.parameter;
             if 0.5 * slope * slope / curvature.abs() < LIMIT_TOLERANCE * self.arc.greatest.max(rise.abs()) {
@@ -319,9 +340,22 @@ impl Path {
         }
     }
 
+    /// Takes the tangent at an equilibrium itself for its inertia and direction.
+    pub(super) fn sharpen(&mut self, found: &mut Converged) -> Result<(), Cause> {
+        let Equilibrium { state, negative_pivots, .. } = &mut found.equilibrium;
+        self.system.recycle(found.predictor.take());
+        self.system.predict(&state.displacement, None);
+        let (_, tangent) = self.system.tangent(state)?;
+        (self.iterations, found.iterations) = (self.iterations + 1, found.iterations + 1);
+        *negative_pivots = tangent.negative_pivots();
+        found.rate = Some(self.rate_by(&tangent, state)?);
+        found.predictor = Some(tangent);
+        Ok(())
+    }
+
     /// The change of all unknowns per change of the load parameter at the present equilibrium, and the number of tangents that it took. The
     /// tangent stays.
-    fn present_rate(&mut self, start: &State) -> Result<(Correction, usize), Cause> {
+    pub(super) fn present_rate(&mut self, start: &State) -> Result<(Correction, usize), Cause> {
         if let Some(rate) = self.rate.take() {
             return Ok((rate, 0));
         }

@@ -1,9 +1,11 @@
 //! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
 //!
 //! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it; `arc_length` goes on beyond limit
-//! points.
+//! points, `branching` where a body buckles; `ending` finds out why it goes no further.
 
 mod arc_length;
+mod branching;
+mod ending;
 mod newton;
 mod predictor;
 mod step_control;
@@ -21,12 +23,11 @@ use crate::arc::{self, ArcEquation, ArcKind, ArcMemory};
 use crate::checkpoint::{Approach, Checkpoint};
 use crate::contributions::CavityPressures;
 use crate::convergence::Scales;
-use crate::error::{AssembleError, ResumeError, SetupError};
+use crate::error::{ResumeError, SetupError};
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure, Stability};
-use crate::history::{Augmentation, ConvergedState};
+use crate::history::{Augmentation, Bifurcation, ConvergedState};
 use crate::prescribed_motion::PrescribedMotion;
-use crate::stability::{self, Response};
 use crate::state::{Correction, Equilibrium, State};
 use crate::system::System;
 use crate::tangent_solver::Tangent;
@@ -69,6 +70,12 @@ pub struct Path {
     spent: Timing,
     stop: Option<Arc<AtomicBool>>,
     augmentation: Option<Augmentation>,
+    /// Unstable motions of the last state that was given up for them, and the softest.
+    unstable: Option<(UnstableMotions, Vec<[f64; 3]>)>,
+    /// How often it was tried to leave the branch from the present equilibrium.
+    branchings: usize,
+    /// Where the path has left a branch since the last state that was told of.
+    bifurcations: Vec<Bifurcation>,
 }
 
 /// How well a load step is to be solved.
@@ -133,6 +140,9 @@ impl Path {
             spent: Timing::default(),
             stop: None,
             augmentation: None,
+            unstable: None,
+            branchings: 0,
+            bifurcations: Vec::new(),
         })
     }
 
@@ -163,6 +173,7 @@ impl Path {
         self.equilibrium =
             Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots };
         self.arc = checkpoint.arc;
+        self.bifurcations = checkpoint.bifurcations;
         self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
@@ -232,6 +243,7 @@ impl Path {
     ) -> Result<(), Failure> {
         let converged = self.advance_to(parameter, observer)?;
         observer(Event::Converged(&converged));
+        self.bifurcations.clear();
         Ok(())
     }
 
@@ -296,65 +308,13 @@ impl Path {
         }
         self.predictor = converged.predictor;
         self.rate = converged.rate;
+        self.branchings = 0;
         self.system.commit();
     }
 
     fn forget_predictor(&mut self) {
         self.rate = None;
         self.system.recycle(self.predictor.take());
-    }
-
-    /// Solves the present equilibrium, perhaps one on the way, to the tolerances asked for, and finds out how firm it is: otherwise what
-    /// was left of the residual would speak of stability, too.
-    fn confirm(&mut self, observer: Observer<'_>) {
-        if self.equilibrium.state.parameter <= LoadParameter::default() {
-            return;
-        }
-        match self.solve_again(None, observer) {
-            Ok(converged) => self.adopt(converged),
-            Err(Cause::IndefiniteTangent { negative_pivots, motions }) => {
-                self.stability = Stability { negative_pivots, motions, softening: self.stability.softening };
-                return;
-            }
-            Err(Cause::Interrupted) => return,
-            // The tangent of what is there has to do, if there is nothing before it.
-            Err(_) => {
-                self.system.revert();
-                if self.go_back(observer) {
-                    return;
-                }
-            }
-        }
-        self.forget_predictor();
-        let Self { system, mesh, equilibrium, motion, settings, .. } = self;
-        let state = &equilibrium.state;
-        self.stability = match (stability::stretching_rate(system, state, motion, settings.min_step), self.first_rate) {
-            (Ok(Some(Response { rate, motion })), Some(first)) => Stability {
-                softening: Some(rate / first),
-                motions: UnstableMotions::of_response(system, mesh, &state.displacement, motion).map(Box::new),
-                negative_pivots: 0,
-            },
-            // An equilibrium whose tangent is singular is as unstable as can be told.
-            (Err(AssembleError::Factor(_)), _) => Stability { softening: Some(f64::INFINITY), ..Stability::default() },
-            // Nothing is known.
-            (Ok(_) | Err(_), _) => Stability::default(),
-        };
-    }
-
-    /// Goes back to the equilibrium before an inexact state that turned out to be none, and says whether there is one.
-    fn go_back(&mut self, observer: Observer<'_>) -> bool {
-        let Some(previous) = self.previous.pop() else { return false };
-        self.equilibrium = previous;
-        self.is_careful = true;
-        self.augmentation = None;
-        self.confirm(observer);
-        true
-    }
-
-    fn failure(&self, attempted: LoadParameter, cause: Cause) -> Failure {
-        let reached = self.equilibrium.state.parameter;
-        let is_past_limit = self.arc.is_past_limit();
-        Failure { reached, attempted, cause, stability: self.stability.clone(), clock: self.clock, is_past_limit }
     }
 
     fn checkpoint(&self, approach: Approach) -> Checkpoint {
@@ -379,6 +339,7 @@ impl Path {
             is_careful: self.is_careful,
             negative_pivots,
             arc: self.arc.clone(),
+            bifurcations: self.bifurcations.clone(),
         }
     }
 
@@ -398,6 +359,7 @@ impl Path {
             contact_multipliers: self.system.contact_multipliers(),
             augmentation: self.augmentation.clone(),
             mesh_motions: *mesh_motions,
+            bifurcations: self.bifurcations.clone(),
         }
     }
 

@@ -168,7 +168,9 @@ impl Path {
         criteria: &Criteria,
     ) -> Result<UnstableMotions, Cause> {
         let Self { system, mesh, .. } = self;
-        let motions = UnstableMotions::find(system, mesh, tangent, assembled, &state.displacement)?;
+        let found = UnstableMotions::find(system, mesh, tangent, assembled, &state.displacement)?;
+        let motions = found.as_ref().map(|(motions, _)| *motions);
+        self.unstable = found;
         let before = &self.equilibrium;
         let step = state.parameter - before.state.parameter;
         // The first of these states is to be the next one on the path, and not one of another branch.

@@ -34,6 +34,7 @@ impl Path {
         observer: Observer<'_>,
     ) -> Result<ConvergedState, Failure> {
         let requested = parameter.into();
+        self.last = requested;
         let mut approach = self.approach.take().unwrap_or_else(|| self.new_approach());
         approach.step = approach.step.min(self.settings.max_step);
         while self.equilibrium.state.parameter < requested {
@@ -48,7 +49,14 @@ impl Path {
             let attempt = Attempt { start, wanted, tried, attempted, had_predictor };
             match outcome {
                 Ok(converged) => self.accept(converged, &attempt, &mut approach, requested, observer)?,
-                Err(cause) => self.reject(cause, &attempt, &mut approach, observer)?,
+                Err(cause) => match self.leave_branch(&cause, [attempted, requested], observer) {
+                    Some(converged) => {
+                        let attempted = converged.equilibrium.state.parameter;
+                        let attempt = Attempt { tried: attempted - start, attempted, ..attempt };
+                        self.accept(converged, &attempt, &mut approach, requested, observer)?;
+                    }
+                    None => self.reject(cause, &attempt, &mut approach, observer)?,
+                },
             }
         }
         Ok(self.describe(self.iterations - approach.iterations_before, approach.load_steps))

@@ -6,7 +6,7 @@
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
-//! * [`arc_length`]: past limit points.
+//! * [`arc_length`]: past limit points; [`buckling`]: beyond bifurcations.
 //! * [`motion`]: obstacles that move, other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
 
@@ -15,6 +15,7 @@
 
 mod arc_length;
 mod balance;
+mod buckling;
 mod cross_check;
 mod cross_check_loads;
 mod fixtures;

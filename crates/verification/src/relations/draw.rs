@@ -338,6 +338,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             min_step: 1e-4 * last,
             continuation: Continuation::Load,
             states_past_limit: 4,
+            imperfection: None,
         },
         output: Output { fields: dice.chance(0.8) },
         actuator,

@@ -174,6 +174,7 @@ impl Frame {
             min_step,
             continuation,
             states_past_limit,
+            imperfection,
         } = solver;
         Model {
             title,
@@ -269,6 +270,7 @@ impl Frame {
                 min_step: time(min_step),
                 continuation,
                 states_past_limit,
+                imperfection: imperfection.map(|size| size * self.length),
             },
             output,
         }

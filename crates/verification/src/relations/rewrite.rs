@@ -175,6 +175,7 @@ fn case_as_model(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
             min_step: Some(solver.min_step),
             continuation: Some(solver.continuation),
             states_past_limit: Some(solver.states_past_limit),
+            imperfection: solver.imperfection,
         },
         output,
         ..Model::default()
