@@ -74,7 +74,7 @@ impl UnstableMotions {
         self.volumetric_share > VOLUMETRIC
     }
 
-    /// Those at an equilibrium, from the tangent and what was assembled there, and the softest of them; `None` if they are not found.
+    /// Those at an equilibrium, from the tangent and what was assembled there, and the one of least energy; `None` if they are not found.
     ///
     /// # Errors
     /// A tangent that cannot be solved with.
@@ -138,7 +138,7 @@ impl UnstableMotions {
     }
 }
 
-/// Motions that span those of negative energy, the softest first, by Lanczos' method for K⁻¹ from two vectors of noise: its negative eigenvalues are one end of
+/// Motions that span those of negative energy, the least one first, by Lanczos' method for K⁻¹ from two vectors of noise: its negative eigenvalues are one end of
 /// the spectrum, whatever their size. `None` if not all were found.
 fn negative_motions(
     system: &mut System,
@@ -178,7 +178,7 @@ fn negative_motions(
     }
     let pairs = SymmetricEigen::new(projected.view((0, 0), (done, done)).into_owned());
     let mut negative: Vec<usize> = (0..done).filter(|&k| pairs.eigenvalues[k] < 0.0).collect();
-    negative.sort_by(|&a, &b| pairs.eigenvalues[a].total_cmp(&pairs.eigenvalues[b]));
+    negative.sort_by(|&a, &b| pairs.eigenvalues[b].total_cmp(&pairs.eigenvalues[a]));
     if negative.len() != count {
         return Ok(None);
     }

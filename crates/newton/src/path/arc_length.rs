@@ -73,7 +73,8 @@ impl Path {
                 Err(cause) => match self.leave_branch(&cause, [attempt.attempted, next], observer) {
                     Some(converged) => {
                         let is_falling = converged.equilibrium.state.parameter < at;
-                        let kind = is_falling.then_some(StateKind::PastLimit);
+                        let is_past = is_falling || self.arc.is_past_limit();
+                        let kind = is_past.then_some(StateKind::PastLimit);
                         attempt.attempted = converged.equilibrium.state.parameter;
                         self.accept_arc(
                             Found { converged, kind, is_falling },

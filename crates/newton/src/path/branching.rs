@@ -29,7 +29,7 @@ impl Path {
         observer: Observer<'_>,
     ) -> Option<Converged> {
         let imperfection = self.settings.imperfection?;
-        let is_unstable = matches!(cause, Cause::IndefiniteTangent { .. }) && !self.arc.is_past_limit();
+        let is_unstable = matches!(cause, Cause::IndefiniteTangent { .. });
         let start = self.equilibrium.state.clone();
         if !is_unstable || self.branchings >= MOST || start.parameter <= LoadParameter::default() {
             return None;
@@ -71,6 +71,14 @@ impl Path {
             }
         }
         None
+    }
+
+    /// Whether states are taken whatever their inertia: past a limit point, unless the path is to leave a branch that becomes unstable there, and
+    /// has not tried in vain.
+    pub(super) fn takes_unstable(&self) -> bool {
+        let leaves = self.settings.imperfection.is_some() && self.branchings < MOST;
+        let was_stable = self.equilibrium.negative_pivots == 0 && !self.arc.is_falling;
+        self.arc.is_past_limit() && !(leaves && was_stable)
     }
 
     /// Whether a state lies on the branch that a guess with a motion of a size was to lead to, and the path may go on there.

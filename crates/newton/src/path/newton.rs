@@ -126,8 +126,8 @@ impl Path {
                 let assembled = self.system.residual(&state)?;
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
-                    let is_unstable_by_limit = self.arc.is_past_limit() || driven.is_falling(&state, rate.as_ref());
-                    let mesh_motions = if is_stable || is_unstable_by_limit {
+                    let is_taken = driven.is_falling(&state, rate.as_ref()) || self.takes_unstable();
+                    let mesh_motions = if is_stable || is_taken {
                         None
                     } else {
                         Some(self.judge_instability(&tangent, &assembled, &state, &criteria)?)
