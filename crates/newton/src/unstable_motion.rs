@@ -35,6 +35,9 @@ const VARYING: f64 = 0.1;
 /// where the pressures of the elements do not see it.
 const VOLUMETRIC: f64 = 0.2;
 
+/// A motion, one entry per node; its size has no meaning.
+pub type Mode = Vec<[f64; 3]>;
+
 /// What the motions that release energy have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnstableMotions {
@@ -84,7 +87,7 @@ impl UnstableMotions {
         tangent: &Tangent,
         assembled: &Assembled,
         displacement: &[[f64; 3]],
-    ) -> Result<Option<(Self, Vec<[f64; 3]>)>, AssembleError> {
+    ) -> Result<Option<(Self, Mode)>, AssembleError> {
         let count = tangent.negative_pivots();
         if count == 0 || count > MOST {
             return Ok(None);

@@ -33,7 +33,7 @@ use crate::system::System;
 use crate::tangent_solver::Tangent;
 use crate::timing::{PathReport, Timing};
 use crate::tuning::Tuning;
-use crate::unstable_motion::UnstableMotions;
+use crate::unstable_motion::{Mode, UnstableMotions};
 
 /// Follows equilibria of one problem from rest. It owns everything it needs, and may be sent to another thread.
 pub struct Path {
@@ -71,7 +71,7 @@ pub struct Path {
     stop: Option<Arc<AtomicBool>>,
     augmentation: Option<Augmentation>,
     /// Unstable motions of the last state that was given up for them, and the softest.
-    unstable: Option<(UnstableMotions, Vec<[f64; 3]>)>,
+    unstable: Option<(UnstableMotions, Mode)>,
     /// How often it was tried to leave the branch from the present equilibrium.
     branchings: usize,
     /// Where the path has left a branch since the last state that was told of.
