@@ -357,9 +357,6 @@ impl Path {
     /// The change of all unknowns per change of the load parameter at the present equilibrium, and the number of tangents that it took. The
     /// tangent stays.
     pub(super) fn present_rate(&mut self, start: &State) -> Result<(Correction, usize), Cause> {
-        if let Some(rate) = self.rate.take() {
-            return Ok((rate, 0));
-        }
         let (tangent, iterations) = self.take_predictor(start)?;
         let rate = self.rate_by(&tangent, start)?;
         if self.first_rate.is_none() {

@@ -50,8 +50,6 @@ pub struct Path {
     is_careful: bool,
     /// Tangent near the present equilibrium, which predicts the next one.
     predictor: Option<Tangent>,
-    /// Change of all unknowns per change of the load parameter at the present equilibrium, if it is known.
-    rate: Option<Correction>,
     /// What a path that is followed by its arc length remembers.
     arc: ArcMemory,
     /// The last requested position, if it is followed by its arc length.
@@ -126,7 +124,6 @@ impl Path {
             tuning,
             begin,
             predictor: None,
-            rate: None,
             arc: ArcMemory::default(),
             last: LoadParameter::default(),
             step: 0,
@@ -286,9 +283,10 @@ impl Path {
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
         // Beyond a limit point, and there above all, the load parameter has to give way.
-        let rate = self.rate.take().filter(|_| held.is_none() && self.arc.is_past_limit());
-        self.forget_predictor();
         let start = self.equilibrium.state.clone();
+        let gives_way = held.is_none() && self.arc.is_past_limit();
+        let rate = if gives_way { Some(self.present_rate(&start)?.0) } else { None };
+        self.forget_predictor();
         self.system.predict(&start.displacement, None);
         let Some(rate) = rate else { return self.newton(start, Driven::ByLoad(held), Target::Requested, observer) };
         let weight = arc::weight(&start, self.arc.greatest, &rate);
@@ -307,13 +305,11 @@ impl Path {
             self.previous.clear();
         }
         self.predictor = converged.predictor;
-        self.rate = converged.rate;
         self.branchings = 0;
         self.system.commit();
     }
 
     fn forget_predictor(&mut self) {
-        self.rate = None;
         self.system.recycle(self.predictor.take());
     }
 
