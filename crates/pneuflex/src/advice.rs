@@ -159,7 +159,7 @@ pub enum Occasion {
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::OutOfMemory,
         Self::BadEquations,
         Self::Rounding,
