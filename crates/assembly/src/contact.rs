@@ -216,8 +216,26 @@ impl Unilateral for ContactForces {
 
     fn tractions(&self, displacement: &[[f64; 3]]) -> Tractions {
         let tolerances = self.model.tolerances();
-        let mut found = Tractions { values: vec![0.0; self.model.num_points()], distance: 0.0, excess: 0.0 };
-        for (number, traction, distance) in self.found_at(displacement).tractions(&self.model) {
+        let positions = self.mesh.deformed(displacement);
+        let mut touching = self.model.search(&positions);
+        let mut found = Tractions { values: vec![0.0; self.model.num_points()], ..Tractions::default() };
+        touching.blocks.retain(|block| {
+            let stuck = self.model.stuck(block, &positions);
+            // What they had before an obstacle came so deep is taken away.
+            let own = block.points.iter().map(|point| point.number);
+            if stuck.is_some()
+                && own.into_iter().any(|number| self.model.multipliers().get(number).is_some_and(|l| *l > 0.0))
+            {
+                found.excess = f64::INFINITY;
+            }
+            if let Some((depth, name)) = stuck
+                && found.stuck.as_ref().is_none_or(|(deepest, _)| depth > *deepest)
+            {
+                found.stuck = Some((depth, name.to_owned()));
+            }
+            stuck.is_none()
+        });
+        for (number, traction, distance) in touching.tractions(&self.model) {
             found.values[number] = traction;
             found.distance = found.distance.max(distance.abs());
             found.excess = found.excess.max(distance.abs() / tolerances[number]);

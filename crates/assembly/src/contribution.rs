@@ -148,12 +148,14 @@ pub struct RigidMotion {
 /// What contact points carry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tractions {
-    /// ⟨λ − k d⟩ of all points, MPa.
+    /// ⟨λ − k d⟩ of all points, MPa; 0 of those that no traction can free.
     pub values: Vec<f64>,
     /// Largest |d| of those that carry one, mm.
     pub distance: f64,
     /// Largest |d| as a multiple of the point's own tolerance; 0 where there is none.
     pub excess: f64,
+    /// What is where supports hold the body, and how deep, mm: there the depth stays, and is no part of `distance` and `excess`.
+    pub stuck: Option<(f64, String)>,
 }
 
 /// Points that must not pass through what is in their way.

@@ -21,6 +21,7 @@ pub mod projection;
 mod search;
 pub mod segments;
 pub mod self_contact;
+mod stuck;
 pub mod surface;
 pub mod surface_pair;
 pub mod touching;

@@ -37,6 +37,8 @@ pub struct ContactModel {
     pub(crate) touching: f64,
     /// Stiffness of the body against a pressure on a spot of it, N/mm³: the softest material's shear modulus over the mean spacing of the nodes.
     body_stiffness: f64,
+    /// For every degree of freedom (3 · node + axis) whether a support holds it; empty for none.
+    pub(crate) held: Vec<bool>,
     pub(crate) mesh: Arc<Mesh>,
 }
 
@@ -51,7 +53,7 @@ pub(crate) struct Rigid {
     pub(crate) areas: Vec<f64>,
     pub(crate) first_point: usize,
     /// How deep points may be at requested loads, mm; `None` for any depth.
-    tolerance: Option<f64>,
+    pub(crate) tolerance: Option<f64>,
 }
 
 impl ContactModel {
@@ -60,7 +62,7 @@ impl ContactModel {
         let moduli = problem.materials().0.into_iter().map(Material::shear_modulus);
         let body_stiffness = moduli.fold(f64::INFINITY, f64::min) / problem.mesh.mean_node_spacing();
         let model = Self::new(Arc::clone(&problem.mesh), &problem.contact_pairs, &problem.contact);
-        Self { body_stiffness, ..model }.with_obstacles(&problem.obstacles, &problem.contact)
+        Self { body_stiffness, held: problem.held_dofs(), ..model }.with_obstacles(&problem.obstacles, &problem.contact)
     }
 
     /// Sets up the contact of the given pairs of facets; `contact` is the law of those that have none of their own.
@@ -80,6 +82,7 @@ impl ContactModel {
             multipliers: Vec::new(),
             touching,
             body_stiffness: f64::INFINITY,
+            held: Vec::new(),
             mesh,
         }
     }

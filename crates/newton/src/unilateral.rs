@@ -68,6 +68,7 @@ impl System {
             found.values.extend(own.values);
             found.distance = found.distance.max(own.distance);
             found.excess = found.excess.max(own.excess);
+            found.stuck = found.stuck.or(own.stuck);
         }
         self.timing.contact_s += start.elapsed().as_secs_f64();
         found

@@ -237,7 +237,17 @@ impl Path {
         self.forget_predictor();
         let start = self.equilibrium.state.clone();
         self.system.predict(&start.displacement, None);
-        self.newton(start, held, Target::Requested, observer)
+        self.newton(start, (held, None), Target::Requested, observer)
+    }
+
+    /// Solves from the present equilibrium to the tolerances, at first with a tangent near it.
+    pub(crate) fn solve_near(&mut self, tangent: Option<Tangent>, observer: Observer<'_>) -> Result<Converged, Cause> {
+        let start = self.equilibrium.state.clone();
+        self.newton(start, (None, tangent), Target::Requested, observer)
+    }
+
+    pub(crate) fn take_predictor(&mut self) -> Option<Tangent> {
+        self.predictor.take()
     }
 
     /// An attempt becomes the present equilibrium.

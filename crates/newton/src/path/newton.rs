@@ -16,20 +16,20 @@ const FIRST_UNSTABLE_STEP: f64 = 0.05;
 
 impl Path {
     /// Newton's method from a guess; `held` are the displacements wanted at held degrees of freedom (mm, one entry per node), if they are
-    /// to move.
+    /// to move; the first correction comes from a tangent that is `at_hand`, if there is one.
     pub(crate) fn newton(
         &mut self,
         mut state: State,
-        held: Option<&[[f64; 3]]>,
+        (held, mut at_hand): (Option<&[[f64; 3]]>, Option<Tangent>),
         target: Target,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
         let is_driven = held.is_some() || self.motion.moves_obstacles;
         let criteria = Criteria::new(&mut self.system, &self.settings, &self.scales, &state, is_driven)?;
         let (tuning, settings) = (self.tuning.clone(), self.settings.clone());
-        let mut policy = Globalisation::new(&tuning, &settings, &self.scales);
+        let mut policy = Globalisation::new(&tuning, &settings, &self.scales, at_hand.is_some());
         let mut multipliers = self.equilibrium.multipliers.clone();
-        let (mut at_hand, mut left): (Option<Tangent>, Vec<[f64; 3]>) = (None, Vec::new());
+        let mut left: Vec<[f64; 3]> = Vec::new();
         while let Some(choice) = policy.next_tangent() {
             self.check_stop()?;
             let (assembled, tangent) = self.linearise(&state, choice, at_hand.take())?;
