@@ -136,7 +136,7 @@ pub struct Prediction {
     pub motion: Option<[LoadParameter; 2]>,
 }
 
-/// Something rigid that moves with the load parameter, and what that does to the body.
+/// Something rigid that moves with the load parameter, or an overlap that goes with it, and what that does to the body.
 #[derive(Clone, Debug)]
 pub struct RigidMotion {
     /// Its factor along the load path.
@@ -179,7 +179,7 @@ pub trait Unilateral {
     /// and a resumed path goes on as it would have.
     fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
 
-    /// What its moving obstacles do to the body, linearised at the position taken last.
+    /// What its moving obstacles and overlaps that go do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;
 
     /// Tractions of all points at a displacement, and how far from their partners those are that carry one.

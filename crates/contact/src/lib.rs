@@ -16,6 +16,7 @@ pub mod contact_block;
 pub mod model;
 pub mod narrow_phase;
 pub mod obstacle;
+mod overlap;
 pub mod potential;
 pub mod projection;
 mod search;

@@ -6,6 +6,7 @@
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
+//! * [`interference`]: overlaps at rest that are pressed out.
 //! * [`motion`]: obstacles that move, other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
 
@@ -16,6 +17,7 @@ mod balance;
 mod cross_check;
 mod cross_check_loads;
 mod fixtures;
+mod interference;
 mod loads;
 mod motion;
 mod obstacles;

@@ -39,6 +39,7 @@ fn pressed_block(formulation: Formulation) -> Problem {
         motion: Some(motion),
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     }];
     problem.clock = Clock::Steps;
     problem
@@ -162,6 +163,7 @@ fn where_supports_hold_the_body_in_an_obstacle_no_multiplier_grows() {
         motion: Some(Motion { displacement: [0.0, 0.0, 0.25], curve: Curve::Proportional(1.0) }),
         report_force: true,
         penetration_tolerance: Some(5e-3),
+        interference_until: None,
     }];
     problem.clock = Clock::Steps;
     let mut path = Path::new(&problem, &settings()).unwrap();
