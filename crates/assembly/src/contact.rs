@@ -111,6 +111,10 @@ impl Contribution for ContactForces {
         Some(self)
     }
 
+    fn begin_step(&mut self, displacement: &[[f64; 3]]) {
+        self.cut(displacement, 1.0);
+    }
+
     fn mixed(&mut self) -> Option<&mut dyn Mixed> {
         Some(self)
     }
@@ -191,10 +195,6 @@ impl Unilateral for ContactForces {
         let [before, after] = ends.map(|position| self.mesh.deformed(position.displacement));
         let passed = self.model.passed_through(ends.map(|position| position.parameter), [&before, &after]);
         passed.map(|obstacle| obstacle.name.clone())
-    }
-
-    fn begin_step(&mut self, displacement: &[[f64; 3]]) {
-        self.cut(displacement, 1.0);
     }
 
     fn motions(&self) -> Vec<RigidMotion> {

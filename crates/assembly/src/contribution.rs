@@ -84,6 +84,15 @@ pub trait Contribution: Send + Sync {
         None
     }
 
+    /// A step begins at a displacement: what was chosen on the way to it is chosen there again. Then the step does not depend on that way,
+    /// and a resumed path goes on as it would have.
+    fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
+
+    /// Forces at a displacement that must have vanished where results are wanted, N, node by node; `None` if it has none of the kind.
+    fn vanishing_forces(&self, _displacement: &[[f64; 3]]) -> Option<Vec<(u32, [f64; 3])>> {
+        None
+    }
+
     /// The position taken last has become the state of equilibrium: history follows.
     fn commit(&mut self) {}
 
@@ -174,10 +183,6 @@ pub trait Unilateral {
 
     /// Name of what the body would have passed through on the straight way between two positions, if it would.
     fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String>;
-
-    /// A step begins at a displacement: what was chosen on the way to it is chosen there again. Then the step does not depend on that way,
-    /// and a resumed path goes on as it would have.
-    fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
 
     /// What its moving obstacles and overlaps that go do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;

@@ -23,6 +23,7 @@ impl Path {
     /// [`Cause::Interrupted`]; the state before the last update stays.
     pub(crate) fn augment(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         let mut failure = None;
+        let mut is_stale = false;
         for count in 0..=MOST_AUGMENTATIONS {
             let u = self.equilibrium().state.displacement.clone();
             let Tractions { values, distance, excess, stuck } = self.system().contact_tractions(&u);
@@ -36,6 +37,10 @@ impl Path {
                 });
                 let failure = failure.or(stuck);
                 self.set_augmentation(Augmentation { count, distance, failure });
+                if is_stale {
+                    // A resumed path could not make it again: it has the present multipliers alone.
+                    self.forget_predictor();
+                }
                 return Ok(());
             }
             let before = self.system().contact_multipliers();
@@ -44,7 +49,10 @@ impl Path {
             self.system().predict(&u, None);
             self.system().set_contact_multipliers(&values);
             match self.solve_near(at_hand, observer) {
-                Ok(converged) => self.adopt(converged),
+                Ok(converged) => {
+                    is_stale = converged.iterations == 0;
+                    self.adopt(converged);
+                }
                 Err(cause) => {
                     self.system().set_contact_multipliers(&before);
                     if cause == Cause::Interrupted {

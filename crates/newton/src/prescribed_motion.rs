@@ -26,6 +26,11 @@ impl PrescribedMotion {
         }
     }
 
+    /// Whether anything moves the body that is no load.
+    pub fn is_driving(&self) -> bool {
+        self.moving.is_some() || self.moves_obstacles
+    }
+
     /// Displacements at held degrees of freedom, mm, one entry per node; `None` if there are none to prescribe.
     pub fn target(&self, parameter: LoadParameter) -> Option<Vec<[f64; 3]>> {
         self.moving.as_ref().map(|problem| problem.held_displacement(parameter))

@@ -246,6 +246,18 @@ impl Path {
         self.newton(start, (None, tangent), Target::Requested, observer)
     }
 
+    pub(crate) fn settings(&self) -> &Solver {
+        &self.settings
+    }
+
+    pub(crate) fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    pub(crate) fn is_driven(&self) -> bool {
+        self.motion.is_driving()
+    }
+
     pub(crate) fn take_predictor(&mut self) -> Option<Tangent> {
         self.predictor.take()
     }
@@ -264,7 +276,7 @@ impl Path {
         self.system.commit();
     }
 
-    fn forget_predictor(&mut self) {
+    pub(crate) fn forget_predictor(&mut self) {
         self.system.recycle(self.predictor.take());
     }
 

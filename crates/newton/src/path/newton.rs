@@ -75,7 +75,8 @@ impl Path {
                 let assembled = self.system.residual(&state)?;
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
-                    let mesh_motions = if is_stable {
+                    let tangent = if is_stable { tangent } else { self.judged_at(&state, tangent)? };
+                    let mesh_motions = if tangent.negative_pivots() == 0 {
                         None
                     } else {
                         Some(self.judge_instability(&tangent, &assembled, &state, &criteria)?)
@@ -95,6 +96,18 @@ impl Path {
         }
         self.system.recycle(at_hand);
         Err(policy.exhausted(self.node_with_largest(&left)))
+    }
+
+    /// The tangent from which the stability of a state that solves the equations is judged: the one at hand, or its own where motions are held
+    /// by weak springs alone. What was left of the residual where the one at hand comes from is more than the springs.
+    fn judged_at(&mut self, state: &State, at_hand: Tangent) -> Result<Tangent, Cause> {
+        if self.system.vanishing_force(&state.displacement).is_none() {
+            return Ok(at_hand);
+        }
+        self.system.recycle(Some(at_hand));
+        self.iterations += 1;
+        self.system.predict(&state.displacement, None);
+        Ok(self.system.tangent(state)?.1)
     }
 
     /// Motions of the mesh that release energy at a state which solves the equations. The path goes on through them where supports alone

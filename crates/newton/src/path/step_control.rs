@@ -72,11 +72,21 @@ impl Path {
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
-        if attempt.attempted == requested && self.system.is_augmented() {
-            self.augment(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
+        if attempt.attempted == requested {
+            self.finish(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
         }
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));
+        Ok(())
+    }
+
+    /// What is done at a requested position beside the equilibrium itself.
+    fn finish(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
+        self.release(observer)?;
+        if self.system.is_augmented() {
+            self.augment(observer)?;
+            self.release(observer)?;
+        }
         Ok(())
     }
 

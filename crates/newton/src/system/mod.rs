@@ -368,6 +368,22 @@ impl System {
         Ok(energies)
     }
 
+    /// Tells the contributions that a step begins at a state.
+    pub fn begin_step(&mut self, state: &State) {
+        self.contributions.iter_mut().for_each(|contribution| contribution.begin_step(&state.displacement));
+    }
+
+    /// Norm of the forces at a displacement that must have vanished where results are wanted, N; `None` if there are none of the kind.
+    pub fn vanishing_force(&self, displacement: &[[f64; 3]]) -> Option<f64> {
+        let found = self.contributions.iter().filter_map(|contribution| contribution.vanishing_forces(displacement));
+        let mut sum: Option<Vec<[f64; 3]>> = None;
+        for (node, force) in found.flatten() {
+            let sum = sum.get_or_insert_with(|| vec![[0.0; 3]; displacement.len()]);
+            (0..3).for_each(|k| sum[node as usize][k] += force[k]);
+        }
+        sum.map(|forces| self.free_norm(&forces))
+    }
+
     /// The contributions' history follows to the position taken last.
     pub fn commit(&mut self) {
         self.contributions.iter_mut().for_each(|contribution| contribution.commit());

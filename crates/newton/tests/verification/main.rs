@@ -6,6 +6,7 @@
 //! * [`balance`]: what must hold whatever the numbers are: resultants, work, symmetry, threads, failures.
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
+//! * [`held_by_contact`]: bodies without supports.
 //! * [`interference`]: overlaps at rest that are pressed out.
 //! * [`motion`]: obstacles that move, other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
@@ -17,6 +18,7 @@ mod balance;
 mod cross_check;
 mod cross_check_loads;
 mod fixtures;
+mod held_by_contact;
 mod interference;
 mod loads;
 mod motion;
