@@ -347,7 +347,7 @@ mod tests {
     fn a_residual_that_no_correction_makes_smaller_is_rounding() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let stalls_after = |measures: &dyn Fn(usize) -> Measures| {
-            let mut policy = Globalisation::new(&tuning, &settings, &scales());
+            let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             (0..9).find(|&count| {
                 policy.next_tangent();
                 policy.choice = Choice::New;

@@ -1,4 +1,4 @@
-//! Springs that help what only contact holds until contact does; `release` makes them carry nothing.
+//! Springs that help what only contact holds until contact does; `path/release` makes them carry nothing.
 
 use pneuflex_model::Problem;
 

@@ -29,7 +29,6 @@ pub mod holding_springs;
 pub mod linearisation;
 pub mod path;
 mod prescribed_motion;
-mod release;
 pub mod rigid_motion;
 pub mod rotation_update;
 mod stability;

@@ -4,6 +4,7 @@
 
 mod newton;
 mod predictor;
+mod release;
 mod step_control;
 
 use std::sync::Arc;
@@ -244,18 +245,6 @@ impl Path {
     pub(crate) fn solve_near(&mut self, tangent: Option<Tangent>, observer: Observer<'_>) -> Result<Converged, Cause> {
         let start = self.equilibrium.state.clone();
         self.newton(start, (None, tangent), Target::Requested, observer)
-    }
-
-    pub(crate) fn settings(&self) -> &Solver {
-        &self.settings
-    }
-
-    pub(crate) fn scales(&self) -> &Scales {
-        &self.scales
-    }
-
-    pub(crate) fn is_driven(&self) -> bool {
-        self.motion.is_driving()
     }
 
     pub(crate) fn take_predictor(&mut self) -> Option<Tangent> {

@@ -69,11 +69,18 @@ impl Path {
         approach.load_steps += 1;
         let is_easy = converged.iterations <= self.tuning.easy_iterations;
         approach.after_accepted(attempt.wanted - attempt.start, is_easy, self.settings.max_step, &self.tuning);
+        let before = self.equilibrium.clone();
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
-        if attempt.attempted == requested {
-            self.finish(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
+        if attempt.attempted == requested
+            && let Err(cause) = self.finish(observer)
+        {
+            if let Cause::HeldBySprings { .. } = cause {
+                // It is no equilibrium of the body.
+                self.equilibrium = before;
+            }
+            return Err(self.failure(attempt.attempted, cause));
         }
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));

@@ -1,9 +1,9 @@
 //! How the springs that help what only contact holds come to carry nothing.
 
+use super::Path;
 use crate::convergence::Criteria;
 use crate::event::Observer;
 use crate::failure::Cause;
-use crate::path::Path;
 use crate::state::State;
 
 /// Springs are moved along at most so often at one load.
@@ -14,19 +14,19 @@ impl Path {
     ///
     /// # Errors
     /// [`Cause::HeldBySprings`] where nothing else holds the body, and what a solution ends with.
-    pub(crate) fn release(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
+    pub(super) fn release(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         let mut left = 0.0;
         for _ in 0..MOST_RELEASES {
-            let state = self.equilibrium().state.clone();
-            let Some(force) = self.system().vanishing_force(&state.displacement) else { return Ok(()) };
+            let state = self.equilibrium.state.clone();
+            let Some(force) = self.system.vanishing_force(&state.displacement) else { return Ok(()) };
             let allowed = self.allowed_residual(&state)?;
             if force <= allowed {
                 return Ok(());
             }
             left = force;
             let at_hand = self.take_predictor();
-            self.system().begin_step(&state);
-            self.system().predict(&state.displacement, None);
+            self.system.begin_step(&state);
+            self.system.predict(&state.displacement, None);
             let converged = self.solve_near(at_hand, observer)?;
             self.adopt(converged);
         }
@@ -35,11 +35,11 @@ impl Path {
 
     /// Residual that an equilibrium may have, N.
     fn allowed_residual(&mut self, state: &State) -> Result<f64, Cause> {
-        let is_driven = self.is_driven();
-        let (settings, scales) = (self.settings().clone(), *self.scales());
-        let criteria = Criteria::new(self.system(), &settings, &scales, state, is_driven)?;
-        let assembled = self.system().residual(state)?;
-        let supports = self.system().held_norm(&assembled.residual);
+        let is_driven = self.motion.is_driving();
+        let Self { system, settings, scales, .. } = self;
+        let criteria = Criteria::new(system, settings, scales, state, is_driven)?;
+        let assembled = system.residual(state)?;
+        let supports = system.held_norm(&assembled.residual);
         Ok(criteria.allowed(supports))
     }
 }
