@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, Touching, evaluate_block, predicted_tractions};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::load::Motion;
-use pneuflex_model::{LoadParameter, Problem};
+use pneuflex_model::{Curve, LoadParameter, Problem};
 
 use crate::contribution::{Contribution, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral};
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
@@ -111,6 +111,10 @@ impl Contribution for ContactForces {
         Some(self)
     }
 
+    fn begin_step(&mut self, displacement: &[[f64; 3]]) {
+        self.cut(displacement, 1.0);
+    }
+
     fn mixed(&mut self) -> Option<&mut dyn Mixed> {
         Some(self)
     }
@@ -129,16 +133,16 @@ impl Mixed for ContactForces {
         let points = self.model.num_points();
         self.stored[..points].fill(0.0);
         if let Some(correction) = &prediction.correction {
-            let moved = prediction.motion.map_or_else(Vec::new, |[from, to]| self.model.moved(from, to));
             let own = self.touching.blocks.iter().filter(|block| self.model.averaging(block.partner).is_none());
             for block in own {
-                let predicted = predicted_tractions(&self.model, block, &self.positions, correction, &moved);
+                let predicted = predicted_tractions(&self.model, block, &self.positions, correction, prediction.motion);
                 for (number, traction) in predicted {
                     self.stored[number] = traction;
                 }
             }
             for gap in &self.touching.averages {
-                self.stored[gap.number] = gap.predicted_traction(correction);
+                let change = self.model.allowed_change(gap.number, prediction.motion);
+                self.stored[gap.number] = gap.predicted_traction(correction, change);
             }
         } else {
             for (number, traction, _) in self.found_at(&prediction.displacement).tractions(&self.model) {
@@ -182,19 +186,15 @@ impl Unilateral for ContactForces {
 
     fn deepest_penetration(&mut self, position: Position<'_>) -> f64 {
         self.model.set_parameter(position.parameter);
-        let touching = self.found_at(position.displacement);
+        let deepest = self.model.deepest(&self.found_at(position.displacement));
         self.model.set_parameter(self.parameter);
-        touching.blocks.iter().flat_map(|block| &block.points).fold(0.0, |deepest, point| deepest.max(-point.distance))
+        deepest
     }
 
     fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String> {
         let [before, after] = ends.map(|position| self.mesh.deformed(position.displacement));
         let passed = self.model.passed_through(ends.map(|position| position.parameter), [&before, &after]);
         passed.map(|obstacle| obstacle.name.clone())
-    }
-
-    fn begin_step(&mut self, displacement: &[[f64; 3]]) {
-        self.cut(displacement, 1.0);
     }
 
     fn motions(&self) -> Vec<RigidMotion> {
@@ -211,13 +211,39 @@ impl Unilateral for ContactForces {
             }
             RigidMotion { curve: motion.curve.clone(), column }
         };
-        self.model.motions().map(of_obstacle).collect()
+        let of_overlaps = |until: LoadParameter| {
+            let mut column = vec![[0.0; 3]; self.mesh.num_nodes()];
+            for (node, force) in self.model.overlap_forces(&self.touching, &self.positions, until) {
+                (0..3).for_each(|k| column[node as usize][k] += force[k]);
+            }
+            RigidMotion { curve: Curve::Table(vec![[0.0, 1.0], [until.0, 0.0]]), column }
+        };
+        let of_obstacles = self.model.motions().map(of_obstacle);
+        of_obstacles.chain(self.model.overlaps_until().into_iter().map(of_overlaps)).collect()
     }
 
     fn tractions(&self, displacement: &[[f64; 3]]) -> Tractions {
         let tolerances = self.model.tolerances();
-        let mut found = Tractions { values: vec![0.0; self.model.num_points()], distance: 0.0, excess: 0.0 };
-        for (number, traction, distance) in self.found_at(displacement).tractions(&self.model) {
+        let positions = self.mesh.deformed(displacement);
+        let mut touching = self.model.search(&positions);
+        let mut found = Tractions { values: vec![0.0; self.model.num_points()], ..Tractions::default() };
+        touching.blocks.retain(|block| {
+            let stuck = self.model.stuck(block, &positions);
+            // What they had before an obstacle came so deep is taken away.
+            let own = block.points.iter().map(|point| point.number);
+            if stuck.is_some()
+                && own.into_iter().any(|number| self.model.multipliers().get(number).is_some_and(|l| *l > 0.0))
+            {
+                found.excess = f64::INFINITY;
+            }
+            if let Some((depth, name)) = stuck
+                && found.stuck.as_ref().is_none_or(|(deepest, _)| depth > *deepest)
+            {
+                found.stuck = Some((depth, name.to_owned()));
+            }
+            stuck.is_none()
+        });
+        for (number, traction, distance) in touching.tractions(&self.model) {
             found.values[number] = traction;
             found.distance = found.distance.max(distance.abs());
             found.excess = found.excess.max(distance.abs() / tolerances[number]);

@@ -84,6 +84,15 @@ pub trait Contribution: Send + Sync {
         None
     }
 
+    /// A step begins at a displacement: what was chosen on the way to it is chosen there again. Then the step does not depend on that way,
+    /// and a resumed path goes on as it would have.
+    fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
+
+    /// Forces at a displacement that must have vanished where results are wanted, N, node by node; `None` if it has none of the kind.
+    fn vanishing_forces(&self, _displacement: &[[f64; 3]]) -> Option<Vec<(u32, [f64; 3])>> {
+        None
+    }
+
     /// The position taken last has become the state of equilibrium: history follows.
     fn commit(&mut self) {}
 
@@ -136,7 +145,7 @@ pub struct Prediction {
     pub motion: Option<[LoadParameter; 2]>,
 }
 
-/// Something rigid that moves with the load parameter, and what that does to the body.
+/// Something rigid that moves with the load parameter, or an overlap that goes with it, and what that does to the body.
 #[derive(Clone, Debug)]
 pub struct RigidMotion {
     /// Its factor along the load path.
@@ -148,12 +157,14 @@ pub struct RigidMotion {
 /// What contact points carry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tractions {
-    /// ⟨λ − k d⟩ of all points, MPa.
+    /// ⟨λ − k d⟩ of all points, MPa; 0 of those that no traction can free.
     pub values: Vec<f64>,
     /// Largest |d| of those that carry one, mm.
     pub distance: f64,
     /// Largest |d| as a multiple of the point's own tolerance; 0 where there is none.
     pub excess: f64,
+    /// What is where supports hold the body, and how deep, mm: there the depth stays, and is no part of `distance` and `excess`.
+    pub stuck: Option<(f64, String)>,
 }
 
 /// Points that must not pass through what is in their way.
@@ -173,11 +184,7 @@ pub trait Unilateral {
     /// Name of what the body would have passed through on the straight way between two positions, if it would.
     fn passed_through(&self, ends: [Position<'_>; 2]) -> Option<String>;
 
-    /// A step begins at a displacement: what was chosen on the way to it is chosen there again. Then the step does not depend on that way,
-    /// and a resumed path goes on as it would have.
-    fn begin_step(&mut self, _displacement: &[[f64; 3]]) {}
-
-    /// What its moving obstacles do to the body, linearised at the position taken last.
+    /// What its moving obstacles and overlaps that go do to the body, linearised at the position taken last.
     fn motions(&self) -> Vec<RigidMotion>;
 
     /// Tractions of all points at a displacement, and how far from their partners those are that carry one.

@@ -33,6 +33,7 @@ mod kernel;
 pub mod law;
 pub mod local;
 pub mod solid;
+pub mod spring;
 
 pub use boundary_term::{BoundaryTerm, Couplings};
 pub use conservative_load::ConservativeLoads;
@@ -47,3 +48,4 @@ pub use formulation::ReferenceElement;
 pub use global::{Assembler, Totals};
 pub use local::{LocalBlock, LocalContribution, LocalError, Request};
 pub use solid::Solid;
+pub use spring::NodeSprings;

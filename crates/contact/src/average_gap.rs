@@ -17,7 +17,7 @@ pub struct AverageGap {
     pub weight: f64,
     /// g, mm; negative is penetration.
     pub distance: f64,
-    /// λ/k, mm.
+    /// λ/k less what may still overlap, mm.
     pub shift: f64,
     /// λ − k g, MPa.
     pub traction: f64,
@@ -40,9 +40,9 @@ impl AverageGap {
         self.stiffness * self.weight
     }
 
-    /// What the linearised gap predicts for the traction, MPa: ⟨λ − k (g + ∇g·δu)⟩.
-    pub fn predicted_traction(&self, correction: &[[f64; 3]]) -> f64 {
-        let mut distance = self.distance - self.shift;
+    /// What the linearised gap predicts for the traction, MPa: ⟨λ − k (g + ∇g·δu)⟩; of an overlap, `change` mm more may be left.
+    pub fn predicted_traction(&self, correction: &[[f64; 3]], change: f64) -> f64 {
+        let mut distance = self.distance - self.shift + change;
         for (&node, gradient) in self.nodes.iter().zip(&self.gradient) {
             distance += (0..3).map(|k| gradient[k] * correction[node as usize][k]).sum::<f64>();
         }

@@ -13,7 +13,7 @@ pub struct ContactPoint {
     pub master_xi: [f64; 2],
     /// Signed distance d, mm; negative is penetration.
     pub distance: f64,
-    /// λ/k, mm: the distance up to which the point's multiplier keeps it in contact; 0 for a plain penalty, and where gaps are averaged.
+    /// λ/k less what may still overlap, mm: the distance up to which the point is in contact; 0 for a plain penalty, and where gaps are averaged.
     pub shift: f64,
     /// Number of the slave point among all points of the model, see [`crate::ContactModel::num_points`]; 0 where gaps are averaged.
     pub number: usize,

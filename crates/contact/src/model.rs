@@ -9,6 +9,7 @@ use pneuflex_model::{Contact, ContactPair, LoadParameter, Material, Obstacle, Pr
 use crate::averaging::Averaging;
 use crate::contact_block::Partner;
 use crate::obstacle::{Distance, distance};
+use crate::overlap::Overlap;
 use crate::projection::{dot, face_geometry, sub};
 use crate::search::TOUCHING;
 use crate::surface::Surface;
@@ -37,6 +38,11 @@ pub struct ContactModel {
     pub(crate) touching: f64,
     /// Stiffness of the body against a pressure on a spot of it, N/mm³: the softest material's shear modulus over the mean spacing of the nodes.
     body_stiffness: f64,
+    /// For every degree of freedom (3 · node + axis) whether a support holds it; empty for none.
+    pub(crate) held: Vec<bool>,
+    pub(crate) overlaps: Vec<Overlap>,
+    /// The position on the load path.
+    pub(crate) parameter: LoadParameter,
     pub(crate) mesh: Arc<Mesh>,
 }
 
@@ -51,7 +57,7 @@ pub(crate) struct Rigid {
     pub(crate) areas: Vec<f64>,
     pub(crate) first_point: usize,
     /// How deep points may be at requested loads, mm; `None` for any depth.
-    tolerance: Option<f64>,
+    pub(crate) tolerance: Option<f64>,
 }
 
 impl ContactModel {
@@ -60,7 +66,8 @@ impl ContactModel {
         let moduli = problem.materials().0.into_iter().map(Material::shear_modulus);
         let body_stiffness = moduli.fold(f64::INFINITY, f64::min) / problem.mesh.mean_node_spacing();
         let model = Self::new(Arc::clone(&problem.mesh), &problem.contact_pairs, &problem.contact);
-        Self { body_stiffness, ..model }.with_obstacles(&problem.obstacles, &problem.contact)
+        let model = Self { body_stiffness, held: problem.held_dofs(), ..model };
+        model.with_obstacles(&problem.obstacles, &problem.contact).with_overlaps()
     }
 
     /// Sets up the contact of the given pairs of facets; `contact` is the law of those that have none of their own.
@@ -80,6 +87,9 @@ impl ContactModel {
             multipliers: Vec::new(),
             touching,
             body_stiffness: f64::INFINITY,
+            held: Vec::new(),
+            overlaps: Vec::new(),
+            parameter: LoadParameter::default(),
             mesh,
         }
     }
@@ -124,13 +134,11 @@ impl ContactModel {
         kept
     }
 
-    /// Where the obstacles have moved between two positions on the load path, mm.
-    pub fn moved(&self, from: LoadParameter, to: LoadParameter) -> Vec<[f64; 3]> {
-        let moved = |rigid: &Rigid| {
-            let (before, after) = (rigid.obstacle.offset(from), rigid.obstacle.offset(to));
-            std::array::from_fn(|d| after[d] - before[d])
-        };
-        self.obstacles.iter().map(moved).collect()
+    /// Where an obstacle has moved between two positions on the load path, mm.
+    pub(crate) fn moved(&self, number: usize, from: LoadParameter, to: LoadParameter) -> [f64; 3] {
+        let obstacle = &self.obstacles[number].obstacle;
+        let (before, after) = (obstacle.offset(from), obstacle.offset(to));
+        std::array::from_fn(|d| after[d] - before[d])
     }
 
     /// The first obstacle that a point passes through on the straight way between two positions of the nodes, seen from the obstacle, which moves
@@ -176,8 +184,9 @@ impl ContactModel {
         self.obstacles.iter().enumerate().filter_map(|(number, rigid)| Some((number, rigid.obstacle.motion.as_ref()?)))
     }
 
-    /// Moves the obstacles to where they are at a position on the load path.
+    /// Moves the obstacles to where they are at a position on the load path, and leaves of overlaps what is left there.
     pub fn set_parameter(&mut self, parameter: LoadParameter) {
+        self.parameter = parameter;
         for rigid in &mut self.obstacles {
             rigid.offset = rigid.obstacle.offset(parameter);
         }
@@ -274,8 +283,9 @@ impl ContactModel {
         std::array::from_fn(|d| point[d] + offset[d])
     }
 
-    /// λ/k of a point, mm.
+    /// λ/k of a point less what it may still overlap, mm: the distance up to which it is in contact.
     pub(crate) fn shift(&self, number: usize, stiffness: f64) -> f64 {
-        self.multipliers.get(number).map_or(0.0, |lambda| lambda / stiffness)
+        let of_multiplier = self.multipliers.get(number).map_or(0.0, |lambda| lambda / stiffness);
+        of_multiplier - self.allowed(number, self.parameter)
     }
 }

@@ -12,7 +12,7 @@
 //! (single-point) the foot is fixed and only the normal turns; its derivatives are in `fixed_point`.
 
 use pneuflex_mesh::shape::{self, FaceShape};
-use pneuflex_model::ContactMethod;
+use pneuflex_model::{ContactMethod, LoadParameter};
 
 use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::ContactModel;
@@ -89,8 +89,8 @@ pub fn evaluate_block(
     out
 }
 
-/// Traction that the linearised distance predicts for every touching point, MPa: ⟨λ − k (d + ∇d·δu)⟩, with the point's number. `moved` says
-/// by how much the obstacles move meanwhile (mm, one entry each, or none).
+/// Traction that the linearised distance predicts for every touching point, MPa: ⟨λ − k (d + ∇d·δu)⟩, with the point's number. `motion` says
+/// between which positions on the load path obstacles move and overlaps go meanwhile, if they do.
 ///
 /// A solver that carries it in the tangent's geometric term (see [`ContactPoint::traction`]) survives the deep
 /// interpenetration of a first guess: the distance may be far off, what the linear system makes of it is not.
@@ -99,17 +99,17 @@ pub fn predicted_tractions(
     block: &ContactBlock,
     positions: &[[f64; 3]],
     correction: &[[f64; 3]],
-    moved: &[[f64; 3]],
+    motion: Option<[LoadParameter; 2]>,
 ) -> Vec<(usize, f64)> {
     let stiffness = model.stiffness(block.partner);
     let mut scratch = DistanceDerivatives { distance: 0.0, gradient: [0.0; MAX_DOFS], hessian: Vec::new() };
     let partner = match block.partner {
-        Partner::Obstacle(number) => moved.get(number).copied().unwrap_or_default(),
+        Partner::Obstacle(number) => motion.map_or([0.0; 3], |[from, to]| model.moved(number, from, to)),
         Partner::Face { .. } => [0.0; 3],
     };
     let predict = |point: &ContactPoint| {
         distance_derivatives(model, block, point, positions, &mut scratch);
-        let mut distance = scratch.distance - point.shift;
+        let mut distance = scratch.distance - point.shift + model.allowed_change(point.number, motion);
         for (i, &node) in block.nodes.iter().enumerate() {
             for k in 0..3 {
                 distance += scratch.gradient[3 * i + k] * (correction[node as usize][k] - partner[k]);

@@ -1,7 +1,7 @@
 //! One surface's points against another surface: what of it does not change.
 
 use pneuflex_mesh::{Facet, Mesh, shape};
-use pneuflex_model::{Contact, ContactMethod, ContactPair};
+use pneuflex_model::{Contact, ContactMethod, ContactPair, LoadParameter};
 
 use crate::averaging::Averaging;
 use crate::projection::{dot, face_geometry, sub, unit_normal};
@@ -42,6 +42,8 @@ pub struct SurfacePair {
     pub(crate) samples: Vec<Vec<Sample>>,
     /// How deep points may be at requested loads, mm; `None` for any depth.
     pub(crate) tolerance: Option<f64>,
+    /// Where an overlap at rest is gone; `None` if there must be none.
+    pub(crate) interference_until: Option<LoadParameter>,
     pub(crate) rule: Vec<([f64; 2], f64)>,
     /// The surfaces belong together, see [`crate::self_contact`].
     pub(crate) is_self_contact: bool,
@@ -97,6 +99,7 @@ impl SurfacePair {
                 averaging,
                 samples,
                 tolerance: pair.penetration_tolerance.or(contact.penetration_tolerance),
+                interference_until: pair.interference_until,
                 rule,
                 is_self_contact,
                 rest_distance,

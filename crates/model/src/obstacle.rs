@@ -22,6 +22,9 @@ pub struct Obstacle {
     pub report_force: bool,
     /// Largest depth at requested loads, mm; `None` for that of the problem's contact.
     pub penetration_tolerance: Option<f64>,
+    /// Position on the load path by which what it overlaps of the body at rest has been pressed out of it, evenly from rest on; `None` if it must
+    /// not overlap the body.
+    pub interference_until: Option<LoadParameter>,
 }
 
 /// The shape of an obstacle, mm.
@@ -114,6 +117,7 @@ mod tests {
             motion: Some(motion),
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         };
         assert_eq!(obstacle.offset(LoadParameter(5.0)), [0.0, 1.0, -2.0]);
         assert_eq!(obstacle.shape.reference_point(), [1.0, 2.0, 3.0]);

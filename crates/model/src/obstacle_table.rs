@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
 use crate::options::check_names;
+use crate::quantity::LoadParameter;
 use crate::range_check::{CaseError, Problems, Quantity};
 use crate::series::Series;
 
@@ -57,6 +58,9 @@ pub struct ObstacleTable {
     /// as for the walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penetration_tolerance: Option<f64>,
+    /// Whether it may overlap the body at rest; it is pressed out of it by the first requested load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interference: Option<bool>,
     /// Whether the force on it is in the results; it is if this is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub report_force: Option<bool>,
@@ -115,12 +119,28 @@ impl ObstacleTable {
         }
     }
 
-    /// The obstacle for some faces; `None` if its shape lacks something.
-    pub fn obstacle(&self, facets: Vec<Facet>, stiffness: f64, motion: Option<Motion>) -> Option<Obstacle> {
+    /// The obstacle for some faces; `None` if its shape lacks something. An overlap that is meant is gone at the position `first`.
+    pub fn obstacle(
+        &self,
+        facets: Vec<Facet>,
+        stiffness: f64,
+        motion: Option<Motion>,
+        first: LoadParameter,
+    ) -> Option<Obstacle> {
         let stiffness = self.stiffness.unwrap_or(stiffness);
         let report_force = self.report_force.unwrap_or(true);
         let (name, shape, penetration_tolerance) = (self.name.clone(), self.shape()?, self.penetration_tolerance);
-        Some(Obstacle { name, shape, facets, stiffness, motion, report_force, penetration_tolerance })
+        let interference_until = (self.interference == Some(true)).then_some(first);
+        Some(Obstacle {
+            name,
+            shape,
+            facets,
+            stiffness,
+            motion,
+            report_force,
+            penetration_tolerance,
+            interference_until,
+        })
     }
 }
 
@@ -217,6 +237,7 @@ mod tests {
             displacement: None,
             factor: None,
             penetration_tolerance: None,
+            interference: None,
             report_force: None,
         };
         let one = Some([0.0, 0.0, 1.0]);

@@ -129,6 +129,9 @@ pub struct ContactPair {
     pub is_two_pass: bool,
     /// Largest depth at requested loads, mm; `None` for the problem's.
     pub penetration_tolerance: Option<f64>,
+    /// Position on the load path by which the surfaces have been pressed out of each other where they overlap at rest, evenly from rest on;
+    /// `None` if they must not overlap.
+    pub interference_until: Option<LoadParameter>,
 }
 
 impl ContactPair {
@@ -194,9 +197,10 @@ impl Problem {
         case.validate()?;
         let (formulation, material, contact) = (case.mesh.formulation(), case.material.clone(), case.contact.clone());
         let mut problem = Self::from_actuator(&case.actuator, size, formulation, material, contact)?;
+        let first = LoadParameter(case.load.pressure_kpa.first().copied().unwrap_or_default());
         let obstacles = case.obstacles.iter().filter_map(|table| {
             let faces = table.faces.as_deref().unwrap_or("outer");
-            table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None)
+            table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None, first)
         });
         problem.obstacles = obstacles.collect();
         for asymmetry in problem.asymmetries() {

@@ -145,6 +145,7 @@ mod tests {
                     motion: None,
                     report_force: true,
                     penetration_tolerance: None,
+                    interference_until: None,
                 };
                 assert_eq!(symmetry.is_symmetry_of(&obstacle), expected, "{obstacle:?}");
                 obstacle.motion = Some(Motion { displacement: [0.0, 1.0, 0.0], curve: Curve::Proportional(1.0) });

@@ -304,6 +304,7 @@ mod tests {
                 motion,
                 report_force: true,
                 penetration_tolerance: None,
+                interference_until: None,
             };
             verdict(&Problem { obstacles: vec![obstacle], ..half.clone() })
         };

@@ -23,21 +23,36 @@ impl Path {
     /// [`Cause::Interrupted`]; the state before the last update stays.
     pub(crate) fn augment(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         let mut failure = None;
+        let mut is_stale = false;
         for count in 0..=MOST_AUGMENTATIONS {
             let u = self.equilibrium().state.displacement.clone();
-            let Tractions { values, distance, excess } = self.system().contact_tractions(&u);
+            let Tractions { values, distance, excess, stuck } = self.system().contact_tractions(&u);
             if excess > 1.0 && count == MOST_AUGMENTATIONS {
                 let times = format!("{excess:.2} times what is allowed");
                 failure = Some(format!("still {distance:.2e} mm, {times}, after {count} updates of the multipliers"));
             }
             if excess <= 1.0 || failure.is_some() {
+                let stuck = stuck.map(|(depth, name)| {
+                    format!("{name} is {depth:.2e} mm deep where supports hold the body, and no force frees it there")
+                });
+                let failure = failure.or(stuck);
                 self.set_augmentation(Augmentation { count, distance, failure });
+                if is_stale {
+                    // A resumed path could not make it again: it has the present multipliers alone.
+                    self.forget_predictor();
+                }
                 return Ok(());
             }
             let before = self.system().contact_multipliers();
+            // Multipliers take over tractions, which hardly change: the tangent is near the one of before.
+            let at_hand = self.take_tangent();
+            self.system().predict(&u, None);
             self.system().set_contact_multipliers(&values);
-            match self.solve_again(None, observer) {
-                Ok(converged) => self.adopt(converged),
+            match self.solve_near(at_hand, observer) {
+                Ok(converged) => {
+                    is_stale = converged.iterations == 0;
+                    self.adopt(converged);
+                }
                 Err(cause) => {
                     self.system().set_contact_multipliers(&before);
                     if cause == Cause::Interrupted {

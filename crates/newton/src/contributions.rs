@@ -1,14 +1,16 @@
 //! The contributions of a problem, in the order in which they are added.
 
 use pneuflex_assembly::cavity::{PressurisedFaces, Supply};
-use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Equations, Solid};
+use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Equations, NodeSprings, Solid};
 use pneuflex_model::load::Load;
 use pneuflex_model::{LinearEquation, Pressure, Problem};
 
 use crate::error::SetupError;
+use crate::holding_springs::springs_of;
 use crate::state::State;
 
-/// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations, contact. A new
+/// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations,
+/// springs of what contact holds, contact. A new
 /// kind of contribution is added here. `equations` are the linear equations that have not been eliminated.
 ///
 /// # Errors
@@ -30,6 +32,7 @@ pub fn contributions_of(
     }
     list.push(Box::new(ConservativeLoads::of(problem)));
     list.push(Box::new(Equations::of(problem, equations)));
+    list.push(Box::new(NodeSprings::new(&springs_of(problem), problem.mesh.num_nodes())));
     list.push(Box::new(ContactForces::of(problem)));
     Ok(list)
 }

@@ -141,6 +141,11 @@ impl Criteria {
         self.load.max(driven).max(self.floor)
     }
 
+    /// Residual that an equilibrium may have where the supports' forces have a norm (N).
+    pub fn allowed(&self, supports: f64) -> f64 {
+        (self.residual_tolerance * self.scale(supports)).max(self.rounding).max(self.floor)
+    }
+
     /// Whether a correction is small enough for the residual after it to be worth a look.
     pub fn may_be_met(&self, last: &Measures) -> bool {
         last.norm < self.tolerance || (last.residual <= self.rounding && last.norm < self.rounded_tolerance)

@@ -67,6 +67,12 @@ pub enum Cause {
         /// Its name.
         obstacle: String,
     },
+    /// What only contact was to hold is held by nothing.
+    #[error("nothing holds the body but the springs that were added until contact does: they carry {force:.3e} N")]
+    HeldBySprings {
+        /// Norm of their forces, N.
+        force: f64,
+    },
     /// The tangent of an equilibrium is indefinite: the body is unstable there.
     #[error("the tangent at the equilibrium is indefinite ({negative_pivots} negative pivots): an instability")]
     IndefiniteTangent {

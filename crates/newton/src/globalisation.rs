@@ -57,6 +57,8 @@ pub struct Globalisation<'a> {
     size: f64,
     choice: Choice,
     iteration: usize,
+    /// Whether there is a tangent from near the guess, from which the first correction comes.
+    has_tangent: bool,
     /// Corrections since the last tangent.
     modified: usize,
     /// The last correction that was applied.
@@ -84,17 +86,18 @@ const WATCHED: usize = 6;
 const SETTLING: f64 = 1.0;
 
 impl<'a> Globalisation<'a> {
-    /// The policy of an attempt for a body.
-    pub fn new(tuning: &'a Tuning, settings: &'a Solver, scales: &Scales) -> Self {
+    /// The policy of an attempt for a body, which `has_tangent` from near the guess, or has not.
+    pub fn new(tuning: &'a Tuning, settings: &'a Solver, scales: &Scales, has_tangent: bool) -> Self {
         Self {
             tuning,
             settings,
             size: scales.size / scales.length,
             choice: Choice::New,
             iteration: 0,
+            has_tangent,
             modified: 0,
             last: Measures::default(),
-            goes_on: false,
+            goes_on: has_tangent,
             norms: Vec::new(),
             touching: (usize::MAX, 0),
             stall: (Measures { norm: f64::INFINITY, ..Measures::default() }, 0),
@@ -117,7 +120,7 @@ impl<'a> Globalisation<'a> {
             return None;
         }
         let contracts = self.last.largest < self.tuning.modified_below && self.goes_on;
-        if self.iteration > 0 && contracts && self.modified < self.tuning.most_modified {
+        if (self.iteration > 0 || self.has_tangent) && contracts && self.modified < self.tuning.most_modified {
             self.modified += 1;
             self.choice = Choice::AtHand;
         } else {
@@ -162,6 +165,11 @@ impl<'a> Globalisation<'a> {
     /// thrown away.
     fn judge_modified(&mut self, now: Measures) -> Verdict {
         self.watch(now.contact_points);
+        if self.iteration == 0 && self.last.norm == 0.0 {
+            self.goes_on = now.largest < self.tuning.modified_below;
+            self.last = now;
+            return if self.goes_on { Verdict::Accept } else { Verdict::Refactor };
+        }
         let ratio = now.norm / self.last.norm;
         if ratio >= self.tuning.modified_contraction && now.norm >= self.settings.tolerance {
             self.goes_on = false;
@@ -237,7 +245,7 @@ mod tests {
     #[test]
     fn a_factor_is_used_again_while_it_contracts() {
         let (tuning, settings) = (TUNING(), Solver::default());
-        let mut policy = Globalisation::new(&tuning, &settings, &scales());
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         assert_eq!(policy.next_tangent(), Some(Choice::New));
         assert_eq!(policy.judge(measures(1.0), false, small), Verdict::Accept);
         // Too large to go on with the factor at hand.
@@ -253,10 +261,28 @@ mod tests {
     }
 
     #[test]
+    fn a_tangent_from_near_the_guess_gives_the_first_corrections() {
+        let (tuning, settings) = (TUNING(), Solver::default());
+        let policy = || Globalisation::new(&tuning, &settings, &scales(), true);
+        let mut near = policy();
+        for norm in [1e-2, 1e-5] {
+            assert_eq!(near.next_tangent(), Some(Choice::AtHand));
+            assert_eq!(near.judge(measures(norm), false, small), Verdict::Accept);
+        }
+        assert_eq!((near.next_tangent(), near.iteration()), (Some(Choice::AtHand), 0));
+        // A large correction is not its business.
+        let mut far = policy();
+        assert_eq!(far.next_tangent(), Some(Choice::AtHand));
+        assert_eq!(far.judge(measures(1.0), false, small), Verdict::Refactor);
+        assert_eq!((far.next_tangent(), far.iteration()), (Some(Choice::New), 1));
+        assert_eq!(far.judge(measures(0.9), false, small), Verdict::Accept);
+    }
+
+    #[test]
     fn a_hopeless_correction_is_found_once_more_and_then_given_up() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let huge = || Extent { stretch: 2.0, angle: 0.0 };
-        let mut policy = Globalisation::new(&tuning, &settings, &scales());
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         policy.next_tangent();
         assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
         assert_eq!(policy.next_tangent(), Some(Choice::Cautious));
@@ -267,11 +293,11 @@ mod tests {
         policy.next_tangent();
         assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Reject(Cause::Diverged { correction: 1.0 }));
         // Not where supports move.
-        let mut policy = Globalisation::new(&tuning, &settings, &scales());
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         policy.next_tangent();
         assert!(matches!(policy.judge(measures(1.0), true, huge), Verdict::Reject(_)));
         // Nor for a correction that is small.
-        let mut policy = Globalisation::new(&tuning, &settings, &scales());
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         policy.next_tangent();
         assert_eq!(policy.judge(measures(0.05), false, huge), Verdict::Accept);
     }
@@ -279,7 +305,7 @@ mod tests {
     #[test]
     fn circles_are_broken_by_halving() {
         let (tuning, settings) = (TUNING(), Solver::default());
-        let mut policy = Globalisation::new(&tuning, &settings, &scales());
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         for iteration in 1..=9 {
             policy.next_tangent();
             let verdict = policy.judge(measures(0.5), false, small);
@@ -292,7 +318,7 @@ mod tests {
     fn what_runs_away_or_is_no_number_is_rejected() {
         let (tuning, settings) = (TUNING(), Solver::default());
         for bad in [f64::NAN, f64::INFINITY, 2e5] {
-            let mut policy = Globalisation::new(&tuning, &settings, &scales());
+            let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             policy.next_tangent();
             let verdict = policy.judge(measures(bad), false, small);
             assert!(matches!(verdict, Verdict::Reject(Cause::Diverged { .. })), "{bad}");
@@ -304,7 +330,7 @@ mod tests {
         let tuning = TUNING();
         let settings = Solver { max_iterations: 8, ..Solver::default() };
         let exhaust = |points: fn(usize) -> usize| {
-            let mut policy = Globalisation::new(&tuning, &settings, &scales());
+            let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             let mut count = 0;
             while policy.next_tangent().is_some() {
                 policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
@@ -321,7 +347,7 @@ mod tests {
     fn a_residual_that_no_correction_makes_smaller_is_rounding() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let stalls_after = |measures: &dyn Fn(usize) -> Measures| {
-            let mut policy = Globalisation::new(&tuning, &settings, &scales());
+            let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             (0..9).find(|&count| {
                 policy.next_tangent();
                 policy.choice = Choice::New;

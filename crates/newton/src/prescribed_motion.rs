@@ -11,7 +11,7 @@ const ROUNDED: f64 = 1e-15;
 pub struct PrescribedMotion {
     /// `None` if no support ever moves.
     moving: Option<Problem>,
-    /// Whether an obstacle ever moves.
+    /// Whether an obstacle ever moves, or is pressed out of the body.
     pub moves_obstacles: bool,
 }
 
@@ -20,8 +20,15 @@ impl PrescribedMotion {
     pub fn of(problem: &Problem) -> Self {
         Self {
             moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()),
-            moves_obstacles: problem.obstacles.iter().any(|obstacle| obstacle.motion.is_some()),
+            moves_obstacles: (problem.obstacles.iter())
+                .any(|obstacle| obstacle.motion.is_some() || obstacle.interference_until.is_some())
+                || problem.contact_pairs.iter().any(|pair| pair.interference_until.is_some()),
         }
+    }
+
+    /// Whether anything moves the body that is no load.
+    pub fn is_driving(&self) -> bool {
+        self.moving.is_some() || self.moves_obstacles
     }
 
     /// Displacements at held degrees of freedom, mm, one entry per node; `None` if there are none to prescribe.

@@ -17,13 +17,6 @@ impl System {
         depth
     }
 
-    /// Tells contact that a step begins at a state.
-    pub fn begin_step(&mut self, state: &State) {
-        for contact in self.contributions.iter_mut().filter_map(|contribution| contribution.unilateral_mut()) {
-            contact.begin_step(&state.displacement);
-        }
-    }
-
     /// Name of an obstacle that the body would have passed through between two states, if it would.
     pub fn passed_through(&mut self, before: &State, after: &State) -> Option<String> {
         let start = Instant::now();
@@ -68,6 +61,7 @@ impl System {
             found.values.extend(own.values);
             found.distance = found.distance.max(own.distance);
             found.excess = found.excess.max(own.excess);
+            found.stuck = found.stuck.or(own.stuck);
         }
         self.timing.contact_s += start.elapsed().as_secs_f64();
         found

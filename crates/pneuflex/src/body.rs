@@ -195,7 +195,15 @@ impl Body {
     pub fn contact(&mut self, slave: &str, master: &str) -> &mut Self {
         let (slave, master) = (slave.to_owned(), master.to_owned());
         let (method, stiffness, penetration_tolerance) = (None, None, None);
-        let table = ContactTable { slave, master, method, stiffness, penetration_tolerance, two_pass: false };
+        let table = ContactTable {
+            slave,
+            master,
+            method,
+            stiffness,
+            penetration_tolerance,
+            two_pass: false,
+            interference: false,
+        };
         self.model.contacts.push(table);
         self
     }

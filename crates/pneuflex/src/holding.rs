@@ -1,7 +1,7 @@
 //! Whether anything holds the body, found out before it is solved.
 
 use pneuflex_model::Problem;
-use pneuflex_newton::{LoosePart, loose_parts};
+use pneuflex_newton::{LoosePart, loose_parts, springs_of};
 
 use crate::advice::Occasion;
 use crate::input_error::InputError;
@@ -29,7 +29,13 @@ pub fn check(problem: &Problem, vocabulary: Vocabulary) -> Result<Option<String>
         };
         return Err(InputError::new(message).with_help(Some(vocabulary.advice(Occasion::Free, problem))));
     }
-    Ok((!touching.is_empty()).then(|| held_by_contact(problem, &touching)))
+    let springs: f64 = springs_of(problem).iter().map(|(_, stiffness)| stiffness).sum();
+    Ok((!touching.is_empty()).then(|| {
+        format!(
+            "{}; springs of {springs:.2e} N/mm in all help until contact does: they follow the body, and carry nothing in any result",
+            held_by_contact(problem, &touching)
+        )
+    }))
 }
 
 /// What contact alone may hold, in words.

@@ -166,10 +166,15 @@ impl End<'_> {
         Some(self.reason(ReasonKind::MaterialLimit, Occasion::NoStiffnessLeft, message))
     }
 
-    /// Nothing is solved yet, and a part is held by contact alone.
+    /// A part is held by contact alone, and nothing is solved yet, or it is not held.
     fn not_held(&self) -> Option<Reason> {
-        let parts = if self.is_at_rest() { loose_parts(self.problem) } else { Vec::new() };
+        let slips = matches!(self.failure.cause, Cause::HeldBySprings { .. });
+        let parts = if self.is_at_rest() || slips { loose_parts(self.problem) } else { Vec::new() };
         let message = || {
+            if slips {
+                let held = holding::held_by_contact(self.problem, &parts);
+                return format!("beyond {} the body slips off: {held}; {}", self.reached(), self.failure.cause);
+            }
             format!(
                 "no equilibrium is found from rest: {}; it does not hold it from the beginning",
                 holding::held_by_contact(self.problem, &parts)

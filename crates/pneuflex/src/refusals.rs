@@ -11,7 +11,7 @@ const MOST_OVERLAP: f64 = 1e-3;
 /// What is this close to a plane, relative to the body's extent, lies in it.
 const CLOSE: f64 = 1e-6;
 
-/// A body that is too small or too large to be one, obstacles that overlap it at rest, and probes that are not on it.
+/// A body that is too small or too large to be one, obstacles and surfaces that overlap it at rest, and probes that are not on it.
 pub fn refusals(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
     if let Some(error) = size(problem) {
         return vec![error];
@@ -20,7 +20,7 @@ pub fn refusals(problem: &Problem, probes: &[Probe]) -> Vec<CaseError> {
     if found.is_empty() {
         found = mirrored_probes(problem, probes);
     }
-    overlap(problem).into_iter().chain(found).collect()
+    overlap(problem).or_else(|| overlapping_surfaces(problem)).into_iter().chain(found).collect()
 }
 
 /// A body whose coordinates are no lengths of a body.
@@ -43,13 +43,32 @@ fn overlap(problem: &Problem) -> Option<CaseError> {
     }
     let at_rest = contact::evaluate(problem, &vec![[0.0; 3]; problem.mesh.num_nodes()]).ok()?;
     let most = MOST_OVERLAP * problem.mesh.mean_node_spacing();
-    let deep = |(_, found): &(usize, &contact::ObstacleForce)| found.max_penetration_mm > most;
+    let deep = |(number, found): &(usize, &contact::ObstacleForce)| {
+        problem.obstacles[*number].interference_until.is_none() && found.max_penetration_mm > most
+    };
     let (number, found) = at_rest.obstacles.iter().enumerate().find(deep)?;
     let allowed = format!(
-        "it overlaps the body at rest by {:.4} mm; put it beside the body, and let it move there (displacement in a model file)",
+        "it overlaps the body at rest by {:.4} mm; put it beside the body, and let it move there (displacement in a model \
+         file), or say interference = true if it is to be pressed out of it",
         found.max_penetration_mm
     );
     Some(CaseError { key: format!("obstacle[{number}].name"), value: format!("{:?}", found.name), allowed })
+}
+
+/// The first pair of surfaces that overlap at rest, if there is one.
+fn overlapping_surfaces(problem: &Problem) -> Option<CaseError> {
+    if problem.contact_pairs.is_empty() {
+        return None;
+    }
+    let most = MOST_OVERLAP * problem.mesh.mean_node_spacing();
+    let overlapping = contact::overlapping_pairs(problem);
+    let (number, depth) = overlapping.into_iter().find(|(_, depth)| *depth > most)?;
+    let allowed = format!(
+        "its surfaces overlap at rest by {depth:.4} mm; put them beside each other, or say interference = true in their [[contact]] if they \
+         are to be pressed out of each other"
+    );
+    let name = &problem.contact_pairs[number].name;
+    Some(CaseError { key: "contact".into(), value: format!("{name:?}"), allowed })
 }
 
 /// Probes beyond a plane of symmetry would read the nearest node in it.
@@ -100,22 +119,58 @@ mod tests {
     /// Rounding, and curved faces that bulge between their nodes, are no reason not to start.
     #[test]
     fn an_obstacle_may_overlap_by_a_share_of_an_element_and_the_path_begins() {
-        let at = |height: f64| {
+        let at_with = |height: f64, key: &str| {
             let plane = format!(
-                "\n[[obstacle]]\nname = \"table\"\nshape = \"plane\"\nfaces = \"bottom\"\nnormal = [0, 0, 1]\npoint = [0, 0, {height}]\n"
+                "\n[[obstacle]]\nname = \"table\"\nshape = \"plane\"\nfaces = \"bottom\"\nnormal = [0, 0, 1]\npoint = [0, 0, {height}]\n{key}\n"
             );
             let mut study = crate::Study::from_text("case.toml", &(crate::template::two_chambers() + &plane)).unwrap();
             let quick = [("mesh.size", "3"), ("mesh.element", "hex8-q1p0"), ("load.pressure_kpa", "[5]")];
             study.set_all(quick.map(|(key, value)| crate::Change::new(key, value))).unwrap();
             study.build()
         };
+        let at = |height: f64| at_with(height, "");
         let tip = |height: f64| at(height).unwrap().solve().unwrap().states[0].probes["tip"][2];
         let (beside, touching, overlapping) = (tip(-1e-9), tip(0.0), tip(1e-4));
         assert!(
             (touching - beside).abs() < 1e-6 && (overlapping - touching).abs() < 2e-3,
             "{beside} {touching} {overlapping}"
         );
-        assert!(at(0.1).unwrap_err().to_string().contains("overlaps the body at rest by 0.1000 mm"));
+        let refused = at(0.1).unwrap_err().to_string();
+        assert!(
+            refused.contains("overlaps the body at rest by 0.1000 mm") && refused.contains("say interference = true"),
+            "{refused}"
+        );
+        let meant = at_with(0.1, "interference = true").unwrap().solve().unwrap();
+        assert!(meant.states[0].obstacles["table"].force_n[2] < 0.0);
+    }
+
+    /// Surfaces that overlap are told apart from those that touch, and may be meant to.
+    #[test]
+    fn surfaces_that_overlap_are_refused_unless_they_are_meant_to() {
+        let gap = |gap: f64, said: &str| {
+            let case = toml::from_str::<pneuflex_model::Case>(&crate::template::two_chambers()).unwrap();
+            let mut problem = Problem::from_case(&case).unwrap();
+            let mesh = std::sync::Arc::unwrap_or_clone(problem.mesh.clone());
+            let middle = case.actuator.gap;
+            let walls = mesh.facet_set("gap_1_left").to_vec();
+            let wall: std::collections::BTreeSet<u32> =
+                walls.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
+            // The wall beside the gap is moved into the other one.
+            let nodes = mesh.nodes.iter().enumerate().map(|(node, x)| {
+                let moves = wall.contains(&(node as u32));
+                [x[0] + if moves { middle - gap } else { 0.0 }, x[1], x[2]]
+            });
+            let nodes = nodes.collect();
+            problem.mesh = pneuflex_mesh::Mesh { nodes, ..mesh }.into();
+            problem.contact_pairs[0].interference_until = said.parse().ok().map(pneuflex_model::LoadParameter);
+            refusals(&problem, &[])
+        };
+        assert!(gap(1e-3, "").is_empty() && gap(-0.05, "1").is_empty());
+        let refused = gap(-0.05, "");
+        assert!(
+            refused[0].allowed.contains("overlap at rest by 0.05")
+                && refused[0].allowed.contains("interference = true")
+        );
     }
 
     #[test]

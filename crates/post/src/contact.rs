@@ -60,6 +60,11 @@ pub fn evaluate(problem: &Problem, displacement: &[[f64; 3]]) -> Result<ContactS
     evaluate_at(problem, displacement, LoadParameter::default(), &[])
 }
 
+/// How deep the surfaces of every pair are in each other at rest without being meant to, mm, by the pair's number.
+pub fn overlapping_pairs(problem: &Problem) -> Vec<(usize, f64)> {
+    ContactModel::of(problem).overlapping_pairs()
+}
+
 /// Evaluates the contact of a state.
 ///
 /// `displacement` has one entry per node, mm; `parameter` tells where obstacles are; `multipliers` (MPa) are those of the contact's
@@ -269,6 +274,7 @@ mod tests {
             motion,
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         };
         let rising = Motion { displacement: [0.0, 0.0, 1.0], curve };
         let obstacles = vec![table("still", -2.0, None), table("rising", -5.0, Some(rising))];

@@ -167,6 +167,7 @@ mod tests {
             motion: None,
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         };
         problem.obstacles.push(table.clone());
         table.facets.push(problem.contact_pairs[0].slave[0]);

@@ -407,6 +407,7 @@ mod tests {
             motion: None,
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         };
         let beside = Shape::Sphere { centre: [9.0, 5.0, -1.0], radius: 1.2, is_hollow: false };
         let obstacles = vec![obstacle("table", shape), obstacle("ball", beside)];

@@ -141,6 +141,9 @@ impl ContactModel {
                 let (part, name) = (Unmodelled::PenetrationTolerance, name.clone());
                 return Err(ReferenceError::NotModelled { part, name });
             }
+            if pair.interference_until.is_some() {
+                return Err(ReferenceError::NotModelled { part: Unmodelled::Interference, name: name.clone() });
+            }
             let is_single_point = match own_method.unwrap_or(*method) {
                 ContactMethod::None => continue,
                 ContactMethod::SinglePoint => true,

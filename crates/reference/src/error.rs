@@ -13,6 +13,9 @@ pub enum Unmodelled {
     /// Contact with multipliers that are updated until nothing penetrates.
     #[error("contact without penetration (augmented Lagrangian)")]
     PenetrationTolerance,
+    /// An overlap at rest that is pressed out.
+    #[error("interference (an overlap at rest that is pressed out)")]
+    Interference,
     /// Gaps that are averaged.
     #[error("mortar contact (contact.method = \"mortar\")")]
     Mortar,

@@ -76,7 +76,19 @@ impl ObstacleModel {
     /// An element family without a formulation, or contact that is not modelled ([`Unmodelled`]).
     pub fn new(problem: &Problem, obstacle: &Obstacle) -> Result<Self, ReferenceError> {
         // Whether its force is reported changes nothing.
-        let Obstacle { name, shape, facets, stiffness, motion, report_force: _, penetration_tolerance } = obstacle;
+        let Obstacle {
+            name,
+            shape,
+            facets,
+            stiffness,
+            motion,
+            report_force: _,
+            penetration_tolerance,
+            interference_until,
+        } = obstacle;
+        if interference_until.is_some() {
+            return Err(ReferenceError::NotModelled { part: Unmodelled::Interference, name: name.clone() });
+        }
         if penetration_tolerance.is_some() {
             let (part, name) = (Unmodelled::PenetrationTolerance, name.clone());
             return Err(ReferenceError::NotModelled { part, name });
@@ -198,6 +210,7 @@ mod tests {
                     motion: Some(motion),
                     report_force: false,
                     penetration_tolerance: None,
+                    interference_until: None,
                 };
                 let (model, t) = (ObstacleModel::new(&problem, &obstacle).unwrap(), LoadParameter(2.0));
                 let u = noise(problem.num_dofs(), 0.02);

@@ -190,6 +190,7 @@ mod tests {
             motion,
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         }
     }
 

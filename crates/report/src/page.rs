@@ -301,6 +301,7 @@ mod tests {
             motion: None,
             report_force: true,
             penetration_tolerance: None,
+            interference_until: None,
         };
         problem.obstacles.push(ball);
         let html = page_of(problem, "t", force);

@@ -268,11 +268,17 @@ fn rows() -> Vec<Row> {
         row(
             O::NotHeld,
             R::Hold,
-            (cube(on_table!("-0.1", "")), &[]),
-            (cube(on_table!("-0.1", "[[support]]\nnodes = \"x1\"\naxes = \"xyz\"\n")), &[]),
+            (cube(on_table!("-10000.0", "")), &[]),
+            (cube(on_table!("-10000.0", "[[support]]\nnodes = \"x1\"\naxes = \"xyz\"\n")), &[]),
             ToTheEnd,
         ),
-        row(O::NotHeld, R::TouchAtRest, (cube(on_table!("-0.1", "")), &[]), (cube(on_table!("0", "")), &[]), ToTheEnd),
+        row(
+            O::NotHeld,
+            R::TouchAtRest,
+            (cube(on_table!("-10000.0", "")), &[]),
+            (cube(on_table!("0", "")), &[]),
+            ToTheEnd,
+        ),
         row(
             O::Buckling,
             R::SmallerLoad,

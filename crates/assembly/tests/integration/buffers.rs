@@ -148,6 +148,7 @@ fn touching_cubes(formulation: Formulation, method: ContactMethod) -> (Problem, 
         motion: None,
         report_force: false,
         penetration_tolerance: None,
+        interference_until: None,
     }];
     (problem, u)
 }

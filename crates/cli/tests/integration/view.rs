@@ -73,7 +73,7 @@ fn a_deck_leaves_a_report_that_view_writes_again_from_the_folder_alone() {
     assert_eq!(report(&scratch), page);
 
     let copy = scratch.path("out/input/blocks.inp");
-    fs::write(&copy, DECK.replace("7, 2, 2, 1\n", "7, 2, 2, 1.5\n")).unwrap();
+    fs::write(&copy, DECK.replace("3, 2, 2, 0\n", "3, 2, 2.5, 0\n")).unwrap();
     let ended = scratch.run(&["view", "out"]);
     assert!(ended.code == 2 && ended.err.contains("does not fit the mesh"), "{ended:?}");
     fs::remove_file(&copy).unwrap();

@@ -24,6 +24,7 @@ fn obstacle(mesh: &Mesh, shape: Shape) -> Obstacle {
         motion: None,
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     }
 }
 

@@ -11,6 +11,7 @@ use crate::obstacle::Obstacle;
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{Contact, ContactMethod, Solver};
 use crate::problem::{Clock, ContactPair, Problem, Region, Support};
+use crate::quantity::LoadParameter;
 use crate::range_check::CaseError;
 use crate::series::Series;
 use crate::symmetry_check::{BoxSide, ProblemPart, WHOLE_ACTUATOR};
@@ -41,7 +42,8 @@ impl Model {
     pub fn study(&self, body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
         let of_body = [body.supports.len(), body.loads.len(), body.obstacles.len()];
         let (actuator, load_keys) = (self.actuator.as_ref(), Vec::new());
-        let mut build = Build { problem: body, actuator, errors: Vec::new(), end: 0.0, load_keys };
+        let mut build =
+            Build { problem: body, actuator, errors: Vec::new(), first: LoadParameter::default(), end: 0.0, load_keys };
         let times = match (&self.load, schedule) {
             (Some(load), _) => load.times.clone(),
             (None, Some((times, _))) => times.to_vec(),
@@ -54,6 +56,7 @@ impl Model {
                 vec![1.0]
             }
         };
+        build.first = LoadParameter(times.first().copied().unwrap_or(1.0));
         build.end = times.last().copied().unwrap_or(1.0);
         build.problem.clock = Clock::Steps;
         if let Some(material) = &self.material {
@@ -176,6 +179,8 @@ struct Build<'a> {
     /// Lengths of the body, if it is an actuator's.
     actuator: Option<&'a Actuator>,
     errors: Vec<CaseError>,
+    /// First requested time.
+    first: LoadParameter,
     /// Last time.
     end: f64,
     /// Key and value of every load that was added.
@@ -401,12 +406,13 @@ impl Build<'_> {
         match known {
             // The walls of an actuator's gaps are kept apart by themselves; a table says how stiffly.
             Some(gap) if gap.stiffness.is_none() => {
-                let is_two_pass = table.two_pass;
+                let (is_two_pass, interference_until) = (table.two_pass, table.interference.then_some(self.first));
                 let name = std::mem::take(&mut gap.name);
                 let (method, penetration_tolerance) = (table.method, table.penetration_tolerance);
                 let plain = ContactPair::new(name, slave, master);
                 let stiffness = Some(stiffness);
-                *gap = ContactPair { stiffness, is_two_pass, method, penetration_tolerance, ..plain };
+                *gap =
+                    ContactPair { stiffness, is_two_pass, method, penetration_tolerance, interference_until, ..plain };
                 return;
             }
             Some(_) => {
@@ -437,6 +443,7 @@ impl Build<'_> {
             stiffness: Some(stiffness),
             penetration_tolerance,
             is_two_pass: table.two_pass,
+            interference_until: table.interference.then_some(self.first),
             ..pair
         });
     }
@@ -450,7 +457,7 @@ impl Build<'_> {
         let stiffness = self.stiffness(&facets);
         let tolerance = table.penetration_tolerance.or_else(|| self.tolerance(table.stiffness, &facets));
         // The ranges of the file ask for all that a shape needs.
-        let obstacle = table.obstacle(facets, stiffness, motion);
+        let obstacle = table.obstacle(facets, stiffness, motion, self.first);
         self.problem.obstacles.extend(obstacle.map(|found| Obstacle { penetration_tolerance: tolerance, ..found }));
     }
 

@@ -229,6 +229,9 @@ pub struct ContactTable {
     /// Whether each surface is the slave in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub two_pass: bool,
+    /// Whether the surfaces may overlap at rest; they are pressed out of each other by the first requested time.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub interference: bool,
 }
 
 /// When results are wanted.

@@ -131,15 +131,16 @@ impl Path {
         observer(Event::StepStarted { step: self.step, parameter: guess.parameter });
         let equation = ArcEquation { start: &start, weight, kind: ArcKind::Sphere(attempt.tried) };
         let mut kind = self.arc.is_past_limit().then_some(StateKind::PastLimit);
-        let mut converged = match self.newton(guess.clone(), Driven::ByArc(&equation), Target::Requested, observer) {
-            Ok(converged) => converged,
-            Err(Cause::Interrupted) => return Err(Cause::Interrupted),
-            Err(cause) => {
-                let converged = self.around_corner(guess, &direction, &equation, cause, observer)?;
-                let is_falling = self.falls(&equation, &converged);
-                return Ok(Some(Found { converged, kind, is_falling }));
-            }
-        };
+        let mut converged =
+            match self.newton(guess.clone(), Driven::ByArc(&equation), None, Target::Requested, observer) {
+                Ok(converged) => converged,
+                Err(Cause::Interrupted) => return Err(Cause::Interrupted),
+                Err(cause) => {
+                    let converged = self.around_corner(guess, &direction, &equation, cause, observer)?;
+                    let is_falling = self.falls(&equation, &converged);
+                    return Ok(Some(Found { converged, kind, is_falling }));
+                }
+            };
         converged.iterations += iterations;
         let mut is_falling = self.falls(&equation, &converged);
         if let Err(cause) = self.check_branch(&start, &converged, &direction, (weight, attempt.tried)) {
@@ -193,7 +194,7 @@ impl Path {
         let back = guess.moved_to(start.parameter + -direction.sign * size);
         let change = change_between(start, &back);
         self.system.predict_ahead(start, &change, back.parameter);
-        let found = self.newton(back, Driven::ByArc(equation), Target::Requested, observer)?;
+        let found = self.newton(back, Driven::ByArc(equation), None, Target::Requested, observer)?;
         let change = change_between(start, &found.equilibrium.state);
         let is_back = direction.cosine(&change.displacement, 0.0, equation.weight) <= 0.0;
         if is_back || found.equilibrium.contact_points <= self.equilibrium.contact_points {
@@ -295,7 +296,7 @@ impl Path {
             state.bordered.iter_mut().zip(&guess.bordered).for_each(|(y, change)| *y += change);
             let equation = ArcEquation { start, weight, kind: ArcKind::Sphere(at) };
             let iterations = found.iterations;
-            found = self.newton(state, Driven::ByArc(&equation), Target::Requested, observer)?;
+            found = self.newton(state, Driven::ByArc(&equation), None, Target::Requested, observer)?;
             found.iterations += iterations;
             self.sharpen(&mut found)?;
             let slope = self.slope(start, &found, weight);

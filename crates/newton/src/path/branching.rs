@@ -57,7 +57,7 @@ impl Path {
                 self.system.predict_ahead(&start, &guess, attempted);
                 let sphere = ArcKind::Sphere(arc::length(&guess.displacement, ahead, weight));
                 let equation = ArcEquation { start: &start, weight, kind: sphere };
-                match self.newton(state, Driven::ByArc(&equation), Target::Requested, observer) {
+                match self.newton(state, Driven::ByArc(&equation), None, Target::Requested, observer) {
                     Ok(found) if self.is_on_branch(&found, &mode, sign * size, next) => {
                         self.bifurcations.push(Bifurcation { parameter: start.parameter, mode, size, motions });
                         return Some(found);

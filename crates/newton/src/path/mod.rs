@@ -8,6 +8,8 @@ mod branching;
 mod ending;
 mod newton;
 mod predictor;
+mod record;
+mod release;
 mod step_control;
 
 use std::sync::Arc;
@@ -288,10 +290,26 @@ impl Path {
         let rate = if gives_way { Some(self.present_rate(&start)?.0) } else { None };
         self.forget_predictor();
         self.system.predict(&start.displacement, None);
-        let Some(rate) = rate else { return self.newton(start, Driven::ByLoad(held), Target::Requested, observer) };
+        let Some(rate) = rate else {
+            return self.newton(start, Driven::ByLoad(held), None, Target::Requested, observer);
+        };
         let weight = arc::weight(&start, self.arc.greatest, &rate);
         let equation = ArcEquation { start: &start, weight, kind: ArcKind::Across(&rate) };
-        self.newton(start.clone(), Driven::ByArc(&equation), Target::Requested, observer)
+        self.newton(start.clone(), Driven::ByArc(&equation), None, Target::Requested, observer)
+    }
+
+    /// Solves from the present equilibrium to the tolerances, at first with a tangent near it. Beyond a limit point it is of no use.
+    pub(crate) fn solve_near(&mut self, tangent: Option<Tangent>, observer: Observer<'_>) -> Result<Converged, Cause> {
+        if self.arc.is_past_limit() {
+            self.system.recycle(tangent);
+            return self.solve_again(None, observer);
+        }
+        let start = self.equilibrium.state.clone();
+        self.newton(start, Driven::ByLoad(None), tangent, Target::Requested, observer)
+    }
+
+    pub(crate) fn take_tangent(&mut self) -> Option<Tangent> {
+        self.predictor.take()
     }
 
     /// An attempt becomes the present equilibrium.
@@ -309,54 +327,8 @@ impl Path {
         self.system.commit();
     }
 
-    fn forget_predictor(&mut self) {
+    pub(crate) fn forget_predictor(&mut self) {
         self.system.recycle(self.predictor.take());
-    }
-
-    fn checkpoint(&self, approach: Approach) -> Checkpoint {
-        let Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots } =
-            self.equilibrium.clone();
-        Checkpoint {
-            parameter: state.parameter,
-            displacement: state.displacement,
-            bordered: state.bordered,
-            multipliers,
-            contact_points,
-            is_inexact,
-            step: self.step,
-            iterations: self.iterations,
-            timing: self.timing(),
-            approach,
-            first_rate: self.first_rate,
-            linearisation: self.predictor.as_ref().map(|tangent| tangent.linearisation().clone()),
-            contact_multipliers: self.system.contact_multipliers(),
-            augmentation: self.augmentation.clone(),
-            mesh_motions,
-            is_careful: self.is_careful,
-            negative_pivots,
-            arc: self.arc.clone(),
-            bifurcations: self.bifurcations.clone(),
-        }
-    }
-
-    /// The present equilibrium as data.
-    fn describe(&self, iterations: usize, load_steps: usize) -> ConvergedState {
-        let Equilibrium { state, multipliers, contact_points, mesh_motions, .. } = &self.equilibrium;
-        ConvergedState {
-            parameter: state.parameter,
-            kind: self.arc.untold.unwrap_or_default(),
-            negative_pivots: self.equilibrium.negative_pivots,
-            displacement: state.displacement.clone(),
-            reaction: multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
-            iterations,
-            load_steps,
-            contact_points: *contact_points,
-            cavity_pressures: self.pressures.at(state),
-            contact_multipliers: self.system.contact_multipliers(),
-            augmentation: self.augmentation.clone(),
-            mesh_motions: *mesh_motions,
-            bifurcations: self.bifurcations.clone(),
-        }
     }
 
     pub(crate) fn set_augmentation(&mut self, augmentation: Augmentation) {

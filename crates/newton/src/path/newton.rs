@@ -42,11 +42,13 @@ impl Driven<'_> {
 }
 
 impl Path {
-    /// Newton's method from a guess. With an equation for it, the load parameter is an unknown.
+    /// Newton's method from a guess; the first correction comes from a tangent that is `at_hand`, if there is one. With an equation for it, the
+    /// load parameter is an unknown.
     pub(crate) fn newton(
         &mut self,
         mut state: State,
         driven: Driven<'_>,
+        mut at_hand: Option<Tangent>,
         target: Target,
         observer: Observer<'_>,
     ) -> Result<Converged, Cause> {
@@ -59,9 +61,9 @@ impl Path {
         };
         let criteria = Criteria::new(&mut self.system, &self.settings, &scales, &state, is_driven)?;
         let (tuning, settings) = (self.tuning.clone(), self.settings.clone());
-        let mut policy = Globalisation::new(&tuning, &settings, &self.scales);
+        let mut policy = Globalisation::new(&tuning, &settings, &self.scales, at_hand.is_some());
         let mut multipliers = self.equilibrium.multipliers.clone();
-        let (mut at_hand, mut left): (Option<Tangent>, Vec<[f64; 3]>) = (None, Vec::new());
+        let mut left: Vec<[f64; 3]> = Vec::new();
         let mut rate = None;
         while let Some(choice) = policy.next_tangent() {
             self.check_stop()?;
@@ -127,7 +129,8 @@ impl Path {
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
                     let is_taken = driven.is_falling(&state, rate.as_ref()) || self.takes_unstable();
-                    let mesh_motions = if is_stable || is_taken {
+                    let tangent = if is_stable || is_taken { tangent } else { self.judged_at(&state, tangent)? };
+                    let mesh_motions = if is_taken || tangent.negative_pivots() == 0 {
                         None
                     } else {
                         Some(self.judge_instability(&tangent, &assembled, &state, &criteria)?)
@@ -153,6 +156,18 @@ impl Path {
         }
         self.system.recycle(at_hand);
         Err(policy.exhausted(self.node_with_largest(&left)))
+    }
+
+    /// The tangent from which the stability of a state that solves the equations is judged: the one at hand, or its own where motions are held
+    /// by weak springs alone. What was left of the residual where the one at hand comes from is more than the springs.
+    fn judged_at(&mut self, state: &State, at_hand: Tangent) -> Result<Tangent, Cause> {
+        if self.system.vanishing_force(&state.displacement).is_none() {
+            return Ok(at_hand);
+        }
+        self.system.recycle(Some(at_hand));
+        self.iterations += 1;
+        self.system.predict(&state.displacement, None);
+        Ok(self.system.tangent(state)?.1)
     }
 
     /// Motions of the mesh that release energy at a state which solves the equations. The path goes on through them where supports alone

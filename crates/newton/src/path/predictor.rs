@@ -29,7 +29,7 @@ impl Path {
         let target = if *aim == requested || self.is_careful { Target::Requested } else { Target::OnTheWay };
         observer(Event::StepStarted { step: self.step, parameter: *aim });
         let held = self.motion.target(*aim);
-        let mut converged = self.newton(state, Driven::ByLoad(held.as_deref()), target, observer)?;
+        let mut converged = self.newton(state, Driven::ByLoad(held.as_deref()), None, target, observer)?;
         converged.iterations += iterations;
         if let Some(obstacle) = self.system.passed_through(&start, &converged.equilibrium.state) {
             self.system.recycle(converged.predictor);

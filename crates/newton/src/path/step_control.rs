@@ -80,14 +80,31 @@ impl Path {
         approach.load_steps += 1;
         let is_easy = converged.iterations <= self.tuning.easy_iterations;
         approach.after_accepted(attempt.wanted, is_easy, self.settings.max_step, &self.tuning);
+        let before = self.equilibrium.clone();
         self.adopt(converged);
         self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
-        if attempt.attempted == requested && self.system.is_augmented() {
-            self.augment(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
+        if attempt.attempted == requested
+            && let Err(cause) = self.finish(observer)
+        {
+            if let Cause::HeldBySprings { .. } = cause {
+                // It is no equilibrium of the body.
+                self.equilibrium = before;
+            }
+            return Err(self.failure(attempt.attempted, cause));
         }
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));
+        Ok(())
+    }
+
+    /// What is done at a requested position beside the equilibrium itself.
+    fn finish(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
+        self.release(observer)?;
+        if self.system.is_augmented() {
+            self.augment(observer)?;
+            self.release(observer)?;
+        }
         Ok(())
     }
 

@@ -128,6 +128,7 @@ fn contact_may_hold_what_supports_do_not() {
         motion: None,
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     });
     assert_eq!(by_contact(&body), [true, true]);
 }

@@ -6,9 +6,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use pneuflex_assembly::{
-    Assembler, Contribution, Elimination, LocalError, Position, Request, RigidMotion, Totals, Unilateral,
-};
+use pneuflex_assembly::{Assembler, Contribution, Elimination, Position, Request, RigidMotion, Totals, Unilateral};
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{LoadParameter, Problem};
@@ -17,11 +15,12 @@ use crate::contributions::contributions_of;
 use crate::error::{AssembleError, SetupError};
 use crate::linearisation::{Linearisation, MixedLinearisation};
 use crate::rotation_update::{Extent, RotationUpdate};
-use crate::state::{Correction, State, difference};
+use crate::state::{Correction, State};
 use crate::tangent_solver::{Assembled, Buffers, Tangent};
 use crate::timing::Timing;
 
 mod assembling;
+mod measures;
 
 use assembling::assembler_of;
 
@@ -314,70 +313,20 @@ impl System {
         extent
     }
 
-    /// Norm of the loads on the free degrees of freedom at a state, N: the scale of the residual.
-    ///
-    /// # Errors
-    /// [`LocalError`] of a load that cannot be evaluated.
-    pub fn load_norm(&mut self, state: &State) -> Result<f64, LocalError> {
-        let loads = self.forces_of(state, |contribution| contribution.is_load())?;
-        Ok(self.free_norm(&loads.residual))
+    /// Tells the contributions that a step begins at a state.
+    pub fn begin_step(&mut self, state: &State) {
+        self.contributions.iter_mut().for_each(|contribution| contribution.begin_step(&state.displacement));
     }
 
-    /// The change of all unknowns per change of the load parameter, K⁻¹ of the change of everything that it drives: loads, equations, supports
-    /// (`held` are the changes of their displacements, mm, one entry per node) and obstacles. `change` is the change of the parameter that it is
-    /// taken over; between the corners of their curves all these are linear in it. Contact stays at the position it took last.
-    ///
-    /// # Errors
-    /// As [`Self::solve`], or a load that cannot be evaluated.
-    pub fn rate(
-        &mut self,
-        tangent: &Tangent,
-        state: &State,
-        change: f64,
-        held: Option<&[[f64; 3]]>,
-    ) -> Result<Correction, AssembleError> {
-        let is_driven = |contribution: &dyn Contribution| contribution.is_load() || contribution.num_bordered() > 0;
-        let next = state.parameter + change;
-        let mut ahead = self.forces_of(&state.moved_to(next), is_driven)?;
-        // The contributions are back where they were.
-        let here = self.forces_of(state, is_driven)?;
-        ahead.residual = difference(&ahead.residual, &here.residual);
-        ahead.equations.iter_mut().zip(&here.equations).for_each(|(equation, here)| equation.value -= here.value);
-        for RigidMotion { curve, column } in tangent.motions() {
-            let moved = curve.at(next) - curve.at(state.parameter);
-            for (r, c) in ahead.residual.iter_mut().zip(column) {
-                *r = std::array::from_fn(|k| r[k] + moved * c[k]);
-            }
+    /// Norm of the forces at a displacement that must have vanished where results are wanted, N; `None` if there are none of the kind.
+    pub fn vanishing_force(&self, displacement: &[[f64; 3]]) -> Option<f64> {
+        let found = self.contributions.iter().filter_map(|contribution| contribution.vanishing_forces(displacement));
+        let mut sum: Option<Vec<[f64; 3]>> = None;
+        for (node, force) in found.flatten() {
+            let sum = sum.get_or_insert_with(|| vec![[0.0; 3]; displacement.len()]);
+            (0..3).for_each(|k| sum[node as usize][k] += force[k]);
         }
-        Ok(self.solve(tangent, &ahead, held)?.scaled(1.0 / change))
-    }
-
-    /// Norm of a nodal field over the free degrees of freedom.
-    pub fn free_norm(&self, field: &[[f64; 3]]) -> f64 {
-        norm_where(field, &self.held, false)
-    }
-
-    /// Norm of a nodal field over the held degrees of freedom.
-    pub fn held_norm(&self, field: &[[f64; 3]]) -> f64 {
-        norm_where(field, &self.held, true)
-    }
-
-    /// Energy of every contribution at a state, mJ, by its name.
-    ///
-    /// # Errors
-    /// [`LocalError`] naming the element that is turned inside out.
-    pub fn energies(&mut self, state: &State) -> Result<Vec<(&'static str, f64)>, LocalError> {
-        self.take_position(state.position(), state.parameter);
-        let mut energies = Vec::new();
-        for contribution in &self.contributions {
-            let mut totals = Totals::default();
-            self.assembler.reset(&mut totals, Request::Energy);
-            if let Some(blocks) = contribution.blocks() {
-                self.assembler.add_changing(blocks, &state.displacement, Request::Energy, &mut totals)?;
-            }
-            energies.push((contribution.name(), totals.energy));
-        }
-        Ok(energies)
+        sum.map(|forces| self.free_norm(&forces))
     }
 
     /// The contributions' history follows to the position taken last.
@@ -389,9 +338,4 @@ impl System {
     pub fn revert(&mut self) {
         self.contributions.iter_mut().for_each(|contribution| contribution.revert());
     }
-}
-
-fn norm_where(field: &[[f64; 3]], held: &[bool], is_held: bool) -> f64 {
-    let entries = field.as_flattened().iter().zip(held).filter(|(_, held)| **held == is_held);
-    entries.map(|(x, _)| x * x).sum::<f64>().sqrt()
 }

@@ -135,6 +135,7 @@ fn a_table_ends_the_snap() {
         motion: None,
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     }];
     let (states, _) = follow(&problem, None);
     for state in &states {

@@ -193,6 +193,7 @@ fn obstacles() {
                 motion,
                 report_force: false,
                 penetration_tolerance: None,
+                interference_until: None,
             }];
             let (solver, expected, found) = check(&name, &problem, &[0.5, 1.0], 0.02);
             for (found, expected) in found.iter().zip(&expected) {

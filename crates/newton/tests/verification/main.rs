@@ -7,6 +7,8 @@
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
 //! * [`arc_length`]: past limit points; [`buckling`]: beyond bifurcations.
+//! * [`held_by_contact`]: bodies without supports.
+//! * [`interference`]: overlaps at rest that are pressed out.
 //! * [`motion`]: obstacles that move, other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
 
@@ -19,6 +21,8 @@ mod buckling;
 mod cross_check;
 mod cross_check_loads;
 mod fixtures;
+mod held_by_contact;
+mod interference;
 mod loads;
 mod motion;
 mod obstacles;

@@ -49,6 +49,7 @@ fn arch(formulation: Formulation, shape: Shape, stiffness: f64, mover: Mover) ->
         motion: of_obstacle,
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     }];
     problem.clock = Clock::Steps;
     problem

@@ -2,11 +2,12 @@
 
 use pneuflex_contact::ContactModel;
 use pneuflex_mesh::lattice::Lattice;
+use pneuflex_model::load::Load;
 use pneuflex_model::{
     Clock, ContactMethod, Curve, Formulation, Invariant, Law, Material, Motion, Obstacle, Problem, Shape, Solver,
     Support,
 };
-use pneuflex_newton::{ConvergedState, Path};
+use pneuflex_newton::{Augmentation, ConvergedState, Path};
 
 use crate::fixtures::{coarse_chambers, difference, follow, sum};
 
@@ -38,6 +39,7 @@ fn pressed_block(formulation: Formulation) -> Problem {
         motion: Some(motion),
         report_force: true,
         penetration_tolerance: None,
+        interference_until: None,
     }];
     problem.clock = Clock::Steps;
     problem
@@ -141,6 +143,50 @@ fn chambers_touch_without_depth_and_their_path_goes_on_from_every_checkpoint() {
 }
 
 /// What cannot be reached is said, and the state is the last equilibrium.
+/// Clamped edges inside of an obstacle stay there whatever the traction on their faces: that is said, and everything else is solved.
+#[test]
+fn where_supports_hold_the_body_in_an_obstacle_no_multiplier_grows() {
+    let sides = [4.0, 1.0, 1.0];
+    let mesh = Lattice::uniform([0.0; 3], sides, [8, 2, 2]).mesh_all(Formulation::Hex8Sri.element_kind());
+    let facets = mesh.select_facets(|x| x[2].abs() < 1e-9);
+    let top = mesh.select_facets(|x| (x[2] - sides[2]).abs() < 1e-9);
+    let is_end = |x: [f64; 3]| x[0].abs() < 1e-9 || (x[0] - sides[0]).abs() < 1e-9;
+    let clamped = mesh.select_nodes(is_end);
+    let mut problem = Problem::body(mesh, Formulation::Hex8Sri, Material::default());
+    problem.supports = vec![Support { name: "clamp".into(), nodes: clamped, axes: [true; 3], motion: None }];
+    problem.loads.push(Load::Pressure { facets: top, curve: Curve::Proportional(0.3) });
+    problem.obstacles = vec![Obstacle {
+        name: "table".into(),
+        shape: Shape::Plane { point: [0.0, 0.0, -0.15], normal: [0.0, 0.0, 1.0] },
+        facets,
+        stiffness: STIFFNESS,
+        motion: Some(Motion { displacement: [0.0, 0.0, 0.25], curve: Curve::Proportional(1.0) }),
+        report_force: true,
+        penetration_tolerance: Some(5e-3),
+        interference_until: None,
+    }];
+    problem.clock = Clock::Steps;
+    let mut path = Path::new(&problem, &settings()).unwrap();
+    let state = path.advance_to(1.0, &mut |_| {}).unwrap();
+    let Augmentation { count, distance, failure } = state.augmentation.clone().unwrap();
+    assert!(failure.as_ref().is_some_and(|why| why.contains("table is 1.00e-1 mm deep where supports")), "{failure:?}");
+    assert!((1..8).contains(&count) && distance < 5e-3, "{count} {distance}");
+    // Points of the clamped edges' faces keep the penalty alone.
+    let at_clamp = |facet: usize| {
+        let nodes = problem.mesh.facet_nodes(problem.obstacles[0].facets[facet]);
+        nodes.iter().any(|&node| is_end(problem.mesh.nodes[node as usize]))
+    };
+    let mut others = 0;
+    for (number, lambda) in state.contact_multipliers.iter().enumerate() {
+        if at_clamp(number / 16) {
+            assert_eq!(*lambda, 0.0);
+        } else {
+            others += usize::from(*lambda > 0.0);
+        }
+    }
+    assert!(others > 0);
+}
+
 #[test]
 fn a_tolerance_out_of_reach_is_reported() {
     let mut problem = pressed_block(Formulation::Hex8Q1p0);

@@ -215,7 +215,9 @@ fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>)
     let slope: f64 = dice.one_of(&[0.0, -0.05]);
     // An inclined plane rises towards the end of the body.
     let rise = if shape == ShapeName::Plane { 0.5 * slope.abs() * length } else { 0.0 };
-    let gap = dice.one_of(&[0.0, 0.02, 0.1]) * height + rise;
+    // Or it is to be pressed out of the body.
+    let overlaps = dice.chance(0.15);
+    let gap = if overlaps { -0.03 * height } else { dice.one_of(&[0.0, 0.02, 0.1]) * height + rise };
     // A point that is deeper in an obstacle than it is from its side leaves it there. Where an edge of a cuboid lies between two points, a body
     // can rest on it or slide past it, and the way there decides: cuboids are wider than twice the distance of the points, so that none falls
     // through between the two sides.
@@ -264,6 +266,7 @@ fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>)
         penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         displacement: None,
         factor: None,
+        interference: overlaps.then_some(true),
         report_force: dice.maybe(0.2, |dice| dice.chance(0.7)),
     }
 }
@@ -609,6 +612,7 @@ fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {
         stiffness: dice.maybe(0.6, |dice| dice.between(1.0, 6.0)),
         penetration_tolerance: dice.maybe(0.2, |_| 0.01),
         two_pass: dice.chance(0.3),
+        interference: dice.chance(0.2),
     }
 }
 

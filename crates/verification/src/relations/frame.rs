@@ -114,6 +114,7 @@ impl Frame {
             penetration_tolerance,
             displacement,
             factor,
+            interference,
             report_force,
         } = table.clone();
         let length = |x: f64| self.length * x;
@@ -135,6 +136,7 @@ impl Frame {
             penetration_tolerance: penetration_tolerance.map(|depth| self.length * depth),
             displacement: displacement.map(|u| self.point(u)),
             factor: self.factor(factor.as_ref()),
+            interference,
             report_force,
         }
     }

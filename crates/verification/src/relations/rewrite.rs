@@ -221,6 +221,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         stiffness: Some(problem.contact.stiffness),
         penetration_tolerance: problem.contact.penetration_tolerance,
         two_pass: false,
+        interference: false,
     };
     let is_said = |gap: &ContactTable| actuator.contacts.iter().any(|said| said.slave == gap.slave);
     let contacts = actuator.contacts.iter().cloned().map(|mut table| {
