@@ -74,6 +74,11 @@ impl Scales {
         Self { size: 1.0, length: 1.0, force: 1.0, rounding_per_mm: 0.0, inexact_stretch: 0.05 }
     }
 
+    /// Residual that nothing is small against, N.
+    pub fn negligible_force(&self) -> f64 {
+        RESIDUAL_FLOOR * self.force
+    }
+
     /// Residual norm that rounding leaves, N: positions x are known to ε|x|, their gradients to ε|x|/h with the element size h,
     /// pressures to κ ε|x|/h, and forces on an element to κ ε|x| h; over n nodes that adds up to √n times as much.
     fn rounding(&self, displacement: &[[f64; 3]]) -> f64 {
@@ -125,7 +130,7 @@ impl Criteria {
             tolerance: settings.tolerance,
             rounded_tolerance: settings.tolerance * (unknowns / FEW_UNKNOWNS).sqrt().max(1.0),
             residual_tolerance: settings.residual_tolerance,
-            floor: RESIDUAL_FLOOR * scales.force,
+            floor: scales.negligible_force(),
             is_driven: has_motion || !start.bordered.is_empty(),
         })
     }

@@ -43,7 +43,7 @@ impl Path {
         let mut left = requested;
         let mut approach = self.approach.take().unwrap_or_else(|| self.new_approach());
         (self.is_careful, self.last) = (true, last);
-        if self.equilibrium.is_inexact {
+        if self.equilibrium.is_inexact || self.is_strained_at_rest(last)? {
             let solved = self.solve_again(None, observer).map_err(|cause| self.failure(last, cause))?;
             self.adopt(solved);
         }
@@ -91,6 +91,16 @@ impl Path {
                 },
             }
         }
+    }
+
+    /// Whether the undeformed body is no equilibrium, as with the full invariant, which has a pressure there: no path begins at it.
+    fn is_strained_at_rest(&mut self, last: LoadParameter) -> Result<bool, Failure> {
+        let state = self.equilibrium.state.clone();
+        if state.parameter > LoadParameter::default() {
+            return Ok(false);
+        }
+        let assembled = self.system.residual(&state).map_err(|error| self.failure(last, error.into()))?;
+        Ok(self.system.free_norm(&assembled.residual) > self.scales.negligible_force())
     }
 
     /// Tells of the present state.

@@ -78,7 +78,11 @@ impl Outcome {
             Err(error) => return none(End::Refused(error.to_string())),
         };
         let (end, solution) = match solve(analysis) {
-            Ok(solution) => (End::Reached, solution),
+            Ok(solution) => {
+                let is_lost = |why: &&String| why.contains(UNSTABLE);
+                let lost = solution.states.iter().find_map(|state| state.unmet_tolerance.as_ref().filter(is_lost));
+                (lost.map_or(End::Reached, |why| End::Stopped(why.clone())), solution)
+            }
             Err(Error::NotConverged(ended)) => (End::Stopped(ended.to_string()), ended.reached),
             Err(Error::Interrupted(ended)) => (End::Exhausted, ended.reached),
             Err(Error::Results(error)) => return none(End::Failed(error.to_string())),
@@ -96,6 +100,9 @@ impl Outcome {
         }
     }
 }
+
+/// In the words of an end, or of multipliers that were not brought up to date, at an unstable state.
+const UNSTABLE: &str = "an instability";
 
 /// Ends the name of an obstacle that stands for the mirror image of another one.
 pub const IMAGE: &str = " in the mirror";
@@ -117,6 +124,8 @@ pub struct Rule {
     pub has_same_warnings: bool,
     /// Whether one may stop on the way where the other does not.
     pub may_stop: bool,
+    /// Whether the second may be unstable where the first, its half, cannot be: by motions that are not symmetrical.
+    pub may_lose_symmetry: bool,
     /// What the second has moved by as a whole at its states, mm (as in the first's frame).
     pub shift: Vec<[f64; 3]>,
     /// Whether stresses are compared, and the greatest invariant.
@@ -138,6 +147,7 @@ impl Rule {
             has_same_points: true,
             has_same_warnings: true,
             may_stop: false,
+            may_lose_symmetry: false,
             shift: Vec::new(),
             has_stresses: true,
             has_supports: true,
@@ -168,6 +178,9 @@ pub fn compare(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure)
         (End::Exhausted, End::Exhausted | End::Reached | End::Stopped(_))
         | (End::Reached | End::Stopped(_), End::Exhausted) => true,
         (End::Stopped(_), End::Reached) | (End::Reached, End::Stopped(_)) if rule.may_stop => {
+            return Verdict::Stopped(0.0);
+        }
+        (End::Reached, End::Stopped(why)) if rule.may_lose_symmetry && why.contains(UNSTABLE) => {
             return Verdict::Stopped(0.0);
         }
         (one, other) => return Verdict::Broken(format!("one is {one:?}, the other {other:?}"), f64::INFINITY),

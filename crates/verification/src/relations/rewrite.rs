@@ -252,7 +252,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
 /// What is symmetric moves symmetrically (away from bifurcations): the half with its plane held is the whole, whose loads are twice those of
 /// the half.
 fn half_as_whole(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
-    let rule = Rule { has_same_warnings: false, ..Rule::same(SAME) };
+    let rule = Rule { has_same_warnings: false, may_lose_symmetry: true, ..Rule::same(SAME) };
     match first.draw {
         Draw::Case(case) => {
             let mut second = Case { obstacles: both_sides(&case.obstacles)?, ..(**case).clone() };
