@@ -152,3 +152,25 @@ fn a_table_ends_the_snap() {
     assert!(last.kind == StateKind::Requested && last.parameter.0 == 1.0 && last.contact_points > 0);
     assert!(states.iter().any(|state| state.kind == StateKind::GreatestLoad && state.contact_points == 0));
 }
+
+/// With the full invariant the undeformed body has a pressure, and no path begins at it.
+#[test]
+fn a_path_begins_at_the_equilibrium_without_loads() {
+    let (mut problem, _) = loaded(0.1 * FORCE);
+    problem.material.invariant = Invariant::Full;
+    problem.material.bulk_modulus = 20.0;
+    let (states, _) = follow(&problem, None);
+    let mut expected = Vec::new();
+    let by_load = Solver { continuation: Continuation::Load, ..settings() };
+    follow_path(&problem, &TIMES, &by_load, &mut |event| {
+        if let Event::Converged(state) = event {
+            expected.push(state.displacement.clone());
+        }
+    })
+    .unwrap();
+    assert_eq!((states.len(), expected.len()), (TIMES.len(), TIMES.len()));
+    for (found, expected) in states.iter().zip(&expected) {
+        let apart = difference(found.displacement.as_flattened(), expected.as_flattened());
+        assert!(found.kind == StateKind::Requested && apart < 1e-7, "{}: {apart:.1e}", found.parameter);
+    }
+}
