@@ -13,9 +13,9 @@ pub fn thousands(n: usize) -> String {
     text
 }
 
-/// A number as short as it can be.
+/// A number as short as it can be, with seven digits at the most.
 pub fn number(x: f64) -> String {
-    minus(x.to_string())
+    minus(format!("{x:.6e}").parse::<f64>().unwrap_or(x).to_string())
 }
 
 /// A number with so many decimals.
@@ -39,6 +39,7 @@ mod tests {
             (thousands(7), thousands(41_901), thousands(1_234_567)),
             ("7".into(), "41,901".into(), "1,234,567".into())
         );
+        assert_eq!((number(0.603932828436), number(1234567.0)), ("0.6039328".into(), "1234567".into()));
         assert_eq!((fixed(-0.0001, 3), fixed(-1.5, 2), number(-5.0)), ("0.000".into(), "−1.50".into(), "−5".into()));
     }
 }
