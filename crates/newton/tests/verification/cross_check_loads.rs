@@ -50,7 +50,7 @@ fn check(
     let settings = Solver { first_step: step, max_step: step, min_step: 1e-3, residual_tolerance: 1e-10, ..strict() };
     let found = follow(problem, parameters, &settings);
     let solver = ReferenceSolver::new(problem).unwrap();
-    let options = PathOptions { max_step: 0.25, ..PathOptions::default() };
+    let options = PathOptions { max_step: 0.5, ..PathOptions::default() };
     let expected = solver.follow_path(parameters, &options).unwrap();
     let largest = expected[0].displacement.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     assert!(largest > 0.03, "{name}: {largest} mm");
