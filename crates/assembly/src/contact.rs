@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use pneuflex_contact::{ContactBlock, ContactModel, Partner, Touching, evaluate_block, predicted_tractions};
+use pneuflex_contact::{
+    ContactBlock, ContactModel, ContactPoint, Partner, Touching, evaluate_block, predicted_tractions,
+};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::load::Motion;
 use pneuflex_model::{Curve, LoadParameter, Problem};
@@ -230,10 +232,8 @@ impl Unilateral for ContactForces {
         touching.blocks.retain(|block| {
             let stuck = self.model.stuck(block, &positions);
             // What they had before an obstacle came so deep is taken away.
-            let own = block.points.iter().map(|point| point.number);
-            if stuck.is_some()
-                && own.into_iter().any(|number| self.model.multipliers().get(number).is_some_and(|l| *l > 0.0))
-            {
+            let multiplier = |point: &ContactPoint| self.model.multipliers().get(point.number).copied();
+            if stuck.is_some() && block.points.iter().filter_map(multiplier).any(|multiplier| multiplier > 0.0) {
                 found.excess = f64::INFINITY;
             }
             if let Some((depth, name)) = stuck

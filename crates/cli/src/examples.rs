@@ -8,7 +8,7 @@ Examples:
   pneuflex run actuator.toml --set load.pressure_kpa='[10, 20]' --out out/low
   pneuflex run actuator.toml --resume                         go on after Ctrl-C or a crash
 
-Exit codes: 0 converged, 1 an output could not be written, 2 bad input (nothing written), 3 not converged (what was reached is kept), 130 interrupted.";
+Exit codes: 0 converged or followed past a limit point, 1 an output could not be written, 2 bad input (nothing written), 3 not converged (what was reached is kept), 130 interrupted.";
 
 /// Of `pneuflex check`.
 pub const CHECK: &str = "\

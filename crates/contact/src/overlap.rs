@@ -25,7 +25,7 @@ impl Overlap {
 
     /// Share that is left at a position on the load path.
     fn left(&self, parameter: LoadParameter) -> f64 {
-        (1.0 - parameter.0 / self.until.0).clamp(0.0, 1.0)
+        if parameter < self.until { (1.0 - parameter.0 / self.until.0).min(1.0) } else { 0.0 }
     }
 }
 
@@ -75,8 +75,12 @@ impl ContactModel {
 
     /// Positions on the load path by which overlaps are gone, each once.
     pub fn overlaps_until(&self) -> Vec<LoadParameter> {
-        let mut found: Vec<LoadParameter> = self.overlaps.iter().map(|overlap| overlap.until).collect();
-        found.dedup();
+        let mut found: Vec<LoadParameter> = Vec::new();
+        for Overlap { until, .. } in &self.overlaps {
+            if !found.contains(until) {
+                found.push(*until);
+            }
+        }
         found
     }
 

@@ -8,7 +8,7 @@
 use pneuflex_model::{LoadParameter, StateKind};
 use serde::{Deserialize, Serialize};
 
-use crate::state::{Correction, State, difference};
+use crate::state::{Correction, State, difference, dot};
 
 /// What a path that is followed by its arc length remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -146,10 +146,6 @@ pub(crate) fn extreme(values: [f64; 2], slopes: [f64; 2], size: f64) -> (f64, f6
     let inside = candidates.into_iter().find(|theta| *theta > 0.0 && *theta < 1.0);
     let theta = inside.unwrap_or(a / (a - b));
     (theta * size, (2.0 * p + 6.0 * q * theta) / (size * size))
-}
-
-fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum()
 }
 
 /// The position from which the change of loads is taken: a small one that stays below the last position asked for, beyond which curves have

@@ -13,16 +13,21 @@ pub struct PrescribedMotion {
     moving: Option<Problem>,
     /// Whether an obstacle ever moves, or is pressed out of the body.
     pub moves_obstacles: bool,
+    /// Where overlaps at rest that are meant are gone; 0 without any.
+    pub overlaps_until: LoadParameter,
 }
 
 impl PrescribedMotion {
     /// That of a problem's supports.
     pub fn of(problem: &Problem) -> Self {
+        let of_obstacles = problem.obstacles.iter().filter_map(|obstacle| obstacle.interference_until);
+        let of_pairs = problem.contact_pairs.iter().filter_map(|pair| pair.interference_until);
+        let overlaps_until = of_obstacles.chain(of_pairs).fold(LoadParameter::default(), LoadParameter::max);
+        let has_motion = problem.obstacles.iter().any(|obstacle| obstacle.motion.is_some());
         Self {
             moving: problem.supports.iter().any(|support| support.motion.is_some()).then(|| problem.clone()),
-            moves_obstacles: (problem.obstacles.iter())
-                .any(|obstacle| obstacle.motion.is_some() || obstacle.interference_until.is_some())
-                || problem.contact_pairs.iter().any(|pair| pair.interference_until.is_some()),
+            moves_obstacles: has_motion || overlaps_until > LoadParameter::default(),
+            overlaps_until,
         }
     }
 

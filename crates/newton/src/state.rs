@@ -95,3 +95,8 @@ pub struct Equilibrium {
 pub(crate) fn difference(b: &[[f64; 3]], a: &[[f64; 3]]) -> Vec<[f64; 3]> {
     b.iter().zip(a).map(|(b, a)| std::array::from_fn(|k| b[k] - a[k])).collect()
 }
+
+/// a · b of nodal fields.
+pub(crate) fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum()
+}

@@ -131,15 +131,20 @@ fn solve(case: &Case, problem: &Problem, divisions: usize) -> (Level, Result<(),
     let mut steps = Vec::new();
     let mut measured = Ok(());
     let result = follow_path(problem, &case.load.pressure_kpa, &case.solver, &mut |event| {
-        if let (Event::Converged(state), Ok(())) = (event, &measured) {
+        // States past a limit point are at other pressures on every mesh.
+        if let (Event::Converged(state), Ok(())) = (event, &measured)
+            && state.kind.is_requested()
+        {
             match measure(problem, state) {
                 Ok(step) => steps.push(step),
                 Err(error) => measured = Err(error.to_string()),
             }
         }
     });
+    let missed = case.load.pressure_kpa.get(steps.len());
+    let limit = missed.map_or(Ok(()), |kpa| Err(format!("the path past its limit point does not come to {kpa} kPa")));
     let (iterations, ended) = match result {
-        Ok(report) => (report.iterations, measured),
+        Ok(report) => (report.iterations, measured.and(limit)),
         Err(ended) => (ended.1.iterations, Err(ended.0.to_string())),
     };
     let elements = problem.mesh.num_elements();
@@ -183,4 +188,24 @@ fn compare(levels: &[Level]) -> Vec<AtPressure> {
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mesh's own limit point is compared with nothing.
+    #[test]
+    fn states_past_a_limit_point_are_left_out_and_what_is_not_reached_is_said() {
+        let mesh = "size = 4.5\nelement = \"hex8-q1p0\"";
+        let mut case: Case =
+            toml::from_str(&crate::template::two_chambers().replace("resolution = \"standard\"", mesh)).unwrap();
+        case.material.law = pneuflex_model::Law::NeoHooke { c10: 0.05 };
+        case.load.pressure_kpa = [5.0, 60.0].map(Into::into).to_vec();
+        case.solver.continuation = pneuflex_model::Continuation::ArcLength;
+        case.solver.states_past_limit = 2;
+        let (level, ended) = solve(&case, &Problem::from_case(&case).unwrap(), 1);
+        assert_eq!(level.steps.iter().map(|step| step.pressure_kpa).collect::<Vec<_>>(), [5.0]);
+        assert!(ended.unwrap_err().contains("does not come to 60 kPa"));
+    }
 }

@@ -32,7 +32,8 @@ pub fn check(problem: &Problem, vocabulary: Vocabulary) -> Result<Option<String>
     let springs: f64 = springs_of(problem).iter().map(|(_, stiffness)| stiffness).sum();
     Ok((!touching.is_empty()).then(|| {
         format!(
-            "{}; springs of {springs:.2e} N/mm in all help until contact does: they follow the body, and carry nothing in any result",
+            "{}; springs of {springs:.2e} N/mm in all help until contact does: they follow the body, and carry nothing in any \
+             result (states on the way to one may lean on them)",
             held_by_contact(problem, &touching)
         )
     }))

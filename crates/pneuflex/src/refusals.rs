@@ -64,8 +64,8 @@ fn overlapping_surfaces(problem: &Problem) -> Option<CaseError> {
     let overlapping = contact::overlapping_pairs(problem);
     let (number, depth) = overlapping.into_iter().find(|(_, depth)| *depth > most)?;
     let allowed = format!(
-        "its surfaces overlap at rest by {depth:.4} mm; put them beside each other, or say interference = true in their [[contact]] if they \
-         are to be pressed out of each other"
+        "its surfaces overlap at rest by {depth:.4} mm; put them beside each other; where they are meant to be pressed out of each \
+         other, say interference = true in a [[contact]] of a model file (instead of a *CONTACT PAIR of its deck)"
     );
     let name = &problem.contact_pairs[number].name;
     Some(CaseError { key: "contact".into(), value: format!("{name:?}"), allowed })

@@ -113,7 +113,7 @@ impl Path {
     }
 
     /// One step along the path, or to the position `ahead` of a rising load parameter, if the step comes to it and that is not known to be
-    /// impossible (`is_blocked`). None if the load parameter would fall below zero.
+    /// impossible (`is_blocked`). None if the load parameter would fall below zero, or where overlaps at rest are not gone yet.
     fn arc_step(
         &mut self,
         ahead: Option<LoadParameter>,
@@ -133,8 +133,7 @@ impl Path {
         if let Some(target) = reachable.filter(|target| start.parameter + CRUMB * change >= *target) {
             return self.land(target, (&direction, weight), attempt, observer);
         }
-        let tangent = self.predictor.take();
-        self.system.recycle(tangent);
+        self.forget_predictor();
         let aim = start.parameter + change;
         let (guess, share) = self.shortened(&start, &direction.over(attempt.wanted), aim)?;
         (attempt.tried, attempt.attempted) = (share * attempt.wanted, guess.parameter);
@@ -176,7 +175,9 @@ impl Path {
             }
             return self.land(target, (&direction, weight), attempt, observer);
         }
-        if reached <= LoadParameter::default() {
+        // Below it, overlaps that are gone would come back.
+        let least = if is_falling { self.motion.overlaps_until } else { LoadParameter::default() };
+        if reached <= least {
             self.system.recycle(converged.predictor);
             self.system.revert();
             return Ok(None);
@@ -256,10 +257,9 @@ impl Path {
             let is_easy = converged.iterations <= self.tuning.easy_iterations;
             approach.after_accepted(attempt.wanted, is_easy, self.settings.max_step, &self.tuning);
         }
-        let start = self.equilibrium.state.clone();
+        let before = self.equilibrium.clone();
         self.adopt(converged);
-        self.augmentation = None;
-        let state = &self.equilibrium.state;
+        let (start, state) = (&before.state, &self.equilibrium.state);
         let change = (difference(&state.displacement, &start.displacement), state.parameter - start.parameter);
         self.arc.last = Some(change);
         self.arc.greatest = self.arc.greatest.max(state.parameter.0);
@@ -267,9 +267,7 @@ impl Path {
         self.arc.past_limit += usize::from(kind.is_some());
         self.arc.untold = kind;
         let is_told = kind.is_some() || state.parameter == next;
-        if is_told && self.system.is_augmented() {
-            self.augment(observer).map_err(|cause| self.failure(attempt.attempted, cause))?;
-        }
+        self.complete(before, attempt, is_told, observer)?;
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));
         Ok(())

@@ -8,7 +8,7 @@ use crate::arc::{self, ArcEquation, ArcKind};
 use crate::event::Observer;
 use crate::failure::Cause;
 use crate::history::Bifurcation;
-use crate::state::{Correction, difference};
+use crate::state::{Correction, difference, dot};
 
 /// So many sizes of the motion are tried, each twice the one before.
 const SIZES: i32 = 5;
@@ -42,8 +42,7 @@ impl Path {
         self.system.revert();
         self.system.begin_step(&start);
         let (rate, _) = self.present_rate(&start).ok()?;
-        let tangent = self.predictor.take();
-        self.system.recycle(tangent);
+        self.forget_predictor();
         let weight = arc::weight(&start, self.arc.greatest.max(start.parameter.0), &rate);
         let mode = normalised(mode, &rate);
         let ahead = attempted - start.parameter;
@@ -100,8 +99,4 @@ fn normalised(mut mode: Vec<[f64; 3]>, rate: &Correction) -> Vec<[f64; 3]> {
     let factor = if dot(&mode, &rate.displacement) < 0.0 { -largest } else { largest };
     mode.as_flattened_mut().iter_mut().for_each(|x| *x /= factor);
     mode
-}
-
-fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum()
 }

@@ -7,6 +7,7 @@ use crate::checkpoint::Approach;
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure};
 use crate::history::ConvergedState;
+use crate::state::Equilibrium;
 use crate::tuning::Tuning;
 
 /// A last step that would leave a crumb takes it along.
@@ -82,23 +83,34 @@ impl Path {
         approach.after_accepted(attempt.wanted, is_easy, self.settings.max_step, &self.tuning);
         let before = self.equilibrium.clone();
         self.adopt(converged);
-        self.augmentation = None;
         self.is_careful &= attempt.attempted != requested;
-        if attempt.attempted == requested
-            && let Err(cause) = self.finish(observer)
-        {
-            if let Cause::HeldBySprings { .. } = cause {
-                // It is no equilibrium of the body.
-                self.equilibrium = before;
-            }
-            return Err(self.failure(attempt.attempted, cause));
-        }
+        self.complete(before, attempt, attempt.attempted == requested, observer)?;
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));
         Ok(())
     }
 
-    /// What is done at a requested position beside the equilibrium itself.
+    /// What is done beside the equilibrium itself at a state that is told of. `before` is the equilibrium before it.
+    pub(super) fn complete(
+        &mut self,
+        before: Equilibrium,
+        attempt: &Attempt,
+        is_told: bool,
+        observer: Observer<'_>,
+    ) -> Result<(), Failure> {
+        self.augmentation = None;
+        if !is_told {
+            return Ok(());
+        }
+        self.finish(observer).map_err(|cause| {
+            if let Cause::HeldBySprings { .. } = cause {
+                // It is no equilibrium of the body.
+                self.equilibrium = before;
+            }
+            self.failure(attempt.attempted, cause)
+        })
+    }
+
     fn finish(&mut self, observer: Observer<'_>) -> Result<(), Cause> {
         self.release(observer)?;
         if self.system.is_augmented() {

@@ -174,3 +174,24 @@ fn a_path_begins_at_the_equilibrium_without_loads() {
         assert!(found.kind == StateKind::Requested && apart < 1e-7, "{}: {apart:.1e}", found.parameter);
     }
 }
+
+/// An overlap that is gone does not come back on the falling branch: the path ends before.
+#[test]
+fn an_overlap_that_was_pressed_out_stays_gone() {
+    let (mut problem, _) = loaded(FORCE);
+    let top = RISE + 1.0;
+    problem.obstacles = vec![Obstacle {
+        name: "lid".into(),
+        shape: Shape::Plane { point: [0.0, 0.0, top - 0.02], normal: [0.0, 0.0, -1.0] },
+        facets: problem.mesh.select_facets(|x| (x[2] - 1.0 - RISE * (1.0 - (x[0] / SPAN).powi(2))).abs() < 1e-9),
+        stiffness: 2.0,
+        motion: None,
+        report_force: true,
+        penetration_tolerance: None,
+        interference_until: Some(TIMES[0].into()),
+    }];
+    let (states, _) = follow(&problem, None);
+    let past: Vec<f64> =
+        states.iter().filter(|state| state.kind == StateKind::PastLimit).map(|state| state.parameter.0).collect();
+    assert!(!past.is_empty() && past.iter().all(|at| *at > TIMES[0]), "{past:?}");
+}
