@@ -84,7 +84,13 @@ const fn row(
 }
 
 /// What takes long.
-const SLOW: [Occasion; 3] = [Occasion::InvertedElement, Occasion::Overlap, Occasion::Unmeasured];
+const SLOW: [Occasion; 5] = [
+    Occasion::InvertedElement,
+    Occasion::Overlap,
+    Occasion::Unmeasured,
+    Occasion::GreatestPressure,
+    Occasion::LinearElements,
+];
 
 /// What cannot be tried here, and where it is.
 const ELSEWHERE: [(Occasion, Remedy, &str); 3] = [

@@ -211,7 +211,7 @@ impl Extent {
         match (self, body) {
             (Self::Full, Body::TwoChambers) => 1.0,
             (Self::Full, Body::Actuator) => 1.25,
-            (Self::Quick, _) => 2.5,
+            (Self::Quick, _) => 5.0,
         }
     }
 
