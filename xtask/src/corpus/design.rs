@@ -66,12 +66,25 @@ impl Design {
     pub fn draw(&self, scale: f64, stiffening: f64) -> Drawn {
         let mut shares = self.shares.iter().copied();
         let mut next = || shares.next().unwrap_or(0.5);
-        let mut about = |length: f64| scale * length * (0.6 + 0.8 * next());
+        let mut about = |length: f64| length * (0.6 + 0.8 * next());
         let (cavity_length, end_wall, gap, flange) = (about(6.0), about(1.0), about(2.0), about(2.0));
         let (cavity_half_width, side_wall, top_wall) = (about(9.0), about(1.0), about(1.0));
         let (base, cavity_height, channel_half_width, channel_height) =
             (about(4.0), about(8.0), about(1.0), about(1.0));
-        let chambers = 1 + (12.0 * next()).min(11.0) as usize;
+        let lengths = Lengths {
+            chambers: 1 + (12.0 * next()).min(11.0) as usize,
+            cavity_length,
+            end_wall,
+            gap,
+            flange,
+            cavity_half_width,
+            side_wall,
+            top_wall,
+            base,
+            cavity_height,
+            channel_half_width,
+            channel_height: channel_height.min(0.8 * base),
+        };
         let youngs_modulus = geometric(next(), 5e-3, 1.0);
         let c10 = stiffening * youngs_modulus / 6.0;
         // The paper's material has 0.11 and -0.0015; the other signs are materials that soften early or stiffen strongly.
@@ -79,22 +92,12 @@ impl Design {
         let c30 = c10 * (-0.002 + 0.012 * next());
         let last_share = geometric(next(), 0.02, 0.4);
         let first_share = 0.1 + 0.4 * next();
-        let channel_bottom = 0.5 * (base - channel_height.min(0.8 * base));
-        let chamber_length = cavity_length + 2.0 * end_wall;
-        let height = base + cavity_height + top_wall;
-        // Five significant digits of every length.
-        let digits = (4.0 - scale.log10().round()).max(0.0) as usize;
         let body = format!(
-            "[actuator]\nchambers = {chambers}\nchamber_length = {chamber_length:.digits$}\n\
-             cavity_length = {cavity_length:.digits$}\ngap = {gap:.digits$}\nflange = {flange:.digits$}\nwidth = {width:.digits$}\n\
-             height = {height:.digits$}\nbase = {base:.digits$}\nside_wall = {side_wall:.digits$}\ntop_wall = {top_wall:.digits$}\n\
-             channel = {{ half_width = {channel_half_width:.digits$}, bottom = {channel_bottom:.digits$}, top = {channel_top:.digits$} }}\n\n\
-             [mesh]\nresolution = \"draft\"\n\n[material]\nc10 = {c10:.6}\nc20 = {c20:.6e}\nc30 = {c30:.6e}\n",
-            width = 2.0 * (cavity_half_width + side_wall),
-            channel_top = base - channel_bottom,
+            "{}\n[mesh]\nresolution = \"draft\"\n\n[material]\nc10 = {c10:.6}\nc20 = {c20:.6e}\nc30 = {c30:.6e}\n",
+            lengths.table(scale),
         );
-        let length = 2.0 * flange + chambers as f64 * (chamber_length + gap) - gap;
-        let thinnest_wall = [end_wall, side_wall, top_wall].into_iter().fold(f64::INFINITY, f64::min);
+        let [length, height, thinnest_wall] =
+            [lengths.length(), lengths.height(), lengths.thinnest_wall()].map(|length| scale * length);
         Drawn { body, length, height, shear_modulus: 2.0 * c10, last_share, first_share, thinnest_wall }
     }
 
@@ -109,6 +112,80 @@ impl Design {
             self.number,
             pressures.join(", "),
         )
+    }
+}
+
+/// Lengths of an actuator, mm, as they are drawn.
+pub struct Lengths {
+    /// Number of chambers.
+    pub chambers: usize,
+    /// Of a cavity.
+    pub cavity_length: f64,
+    /// Thickness of the walls between cavity and gap.
+    pub end_wall: f64,
+    /// Slit between chambers.
+    pub gap: f64,
+    /// Base beyond the first and the last chamber.
+    pub flange: f64,
+    /// Of a cavity.
+    pub cavity_half_width: f64,
+    /// Thickness.
+    pub side_wall: f64,
+    /// Thickness.
+    pub top_wall: f64,
+    /// Thickness.
+    pub base: f64,
+    /// Of a cavity.
+    pub cavity_height: f64,
+    /// Of the air channel.
+    pub channel_half_width: f64,
+    /// In the middle of the base.
+    pub channel_height: f64,
+}
+
+impl Lengths {
+    /// `[actuator]`, everything times a scale.
+    pub fn table(&self, scale: f64) -> String {
+        // Five significant digits of every length.
+        let digits = (4.0 - scale.log10().round()).max(0.0) as usize;
+        let mm = |length: f64| format!("{:.digits$}", scale * length);
+        let bottom = 0.5 * (self.base - self.channel_height);
+        format!(
+            "[actuator]\nchambers = {}\nchamber_length = {}\ncavity_length = {}\ngap = {}\nflange = {}\nwidth = {}\nheight = {}\n\
+             base = {}\nside_wall = {}\ntop_wall = {}\nchannel = {{ half_width = {}, bottom = {}, top = {} }}\n",
+            self.chambers,
+            mm(self.chamber_length()),
+            mm(self.cavity_length),
+            mm(self.gap),
+            mm(self.flange),
+            mm(2.0 * (self.cavity_half_width + self.side_wall)),
+            mm(self.height()),
+            mm(self.base),
+            mm(self.side_wall),
+            mm(self.top_wall),
+            mm(self.channel_half_width),
+            mm(bottom),
+            mm(self.base - bottom),
+        )
+    }
+
+    fn chamber_length(&self) -> f64 {
+        self.cavity_length + 2.0 * self.end_wall
+    }
+
+    /// Of the actuator.
+    pub fn length(&self) -> f64 {
+        2.0 * self.flange + self.chambers as f64 * (self.chamber_length() + self.gap) - self.gap
+    }
+
+    /// Of the actuator.
+    pub fn height(&self) -> f64 {
+        self.base + self.cavity_height + self.top_wall
+    }
+
+    /// Thickness of the thinnest wall.
+    pub fn thinnest_wall(&self) -> f64 {
+        [self.end_wall, self.side_wall, self.top_wall].into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -4,6 +4,7 @@
 mod contact;
 mod design;
 mod outcome;
+mod wide;
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,7 +15,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use design::Design;
 use outcome::{Outcome, Remains, judge};
 
 use crate::program;
@@ -29,7 +29,18 @@ struct Arguments {
     jobs: usize,
     only: Vec<usize>,
     cases: Option<PathBuf>,
-    has_contact: bool,
+    space: Space,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Space {
+    /// Actuators like the paper's.
+    Designs,
+    /// The same with obstacles.
+    Contact,
+    /// Everything that a case file can say.
+    Wide,
 }
 
 /// A case to be run.
@@ -70,12 +81,17 @@ fn parse(arguments: &[String]) -> Result<Arguments, String> {
         jobs,
         only: Vec::new(),
         cases: None,
-        has_contact: false,
+        space: Space::Designs,
     };
     let mut rest = arguments.iter();
     while let Some(name) = rest.next() {
-        if name == "--contact" {
-            parsed.has_contact = true;
+        let space = match name.as_str() {
+            "--contact" => Some(Space::Contact),
+            "--wide" => Some(Space::Wide),
+            _ => None,
+        };
+        if let Some(space) = space {
+            parsed.space = space;
             continue;
         }
         let value = rest.next().ok_or_else(|| format!("{name} needs a value"))?;
@@ -101,10 +117,9 @@ fn parse(arguments: &[String]) -> Result<Arguments, String> {
 fn corpus(arguments: &Arguments) -> Result<bool, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let program = program::build(&root)?;
-    let (jobs, part) = match &arguments.cases {
-        Some(cases) => (case_files(cases)?, "cases".to_owned()),
-        None if arguments.has_contact => (problems(arguments), format!("contact_{}", arguments.seed)),
-        None => (designs(arguments), format!("seed_{}", arguments.seed)),
+    let (jobs, part) = match (&arguments.cases, arguments.space) {
+        (Some(cases), _) => (case_files(cases)?, "cases".to_owned()),
+        (None, space) => (space.jobs(arguments), format!("{}_{}", space.name(), arguments.seed)),
     };
     if jobs.is_empty() {
         return Err("no design has a number given with --only".to_owned());
@@ -133,26 +148,34 @@ fn corpus(arguments: &Arguments) -> Result<bool, String> {
     Ok(report(&records))
 }
 
-/// The designs asked for.
-fn designs(arguments: &Arguments) -> Vec<Job> {
-    let job = |design: &Design| Job {
-        name: format!("design_{:03}", design.number),
-        text: design.case(),
-        thinnest_wall: design.draw(1.0, 1.0).thinnest_wall,
-    };
-    let all = design::designs(arguments.count, arguments.seed);
-    all.iter().filter(|design| arguments.wants(design.number)).map(job).collect()
-}
+impl Space {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Designs => "design",
+            Self::Contact => "contact",
+            Self::Wide => "wide",
+        }
+    }
 
-/// The problems of contact asked for.
-fn problems(arguments: &Arguments) -> Vec<Job> {
-    let all = contact::problems(arguments.count, arguments.seed);
-    let job = |contact::Problem { number, text, thinnest_wall }| Job {
-        name: format!("contact_{number:03}"),
-        text,
-        thinnest_wall,
-    };
-    all.into_iter().filter(|problem| arguments.wants(problem.number)).map(job).collect()
+    /// The cases asked for.
+    fn jobs(self, arguments: &Arguments) -> Vec<Job> {
+        let Arguments { count, seed, .. } = *arguments;
+        let job = |(number, text, thinnest_wall): (usize, String, f64)| {
+            let name = format!("{}_{number:03}", self.name());
+            arguments.wants(number).then_some(Job { name, text, thinnest_wall })
+        };
+        let all: Vec<(usize, String, f64)> = match self {
+            Self::Designs => {
+                let all = design::designs(count, seed).into_iter();
+                all.map(|design| (design.number, design.case(), design.draw(1.0, 1.0).thinnest_wall)).collect()
+            }
+            Self::Contact => {
+                contact::problems(count, seed).into_iter().map(|p| (p.number, p.text, p.thinnest_wall)).collect()
+            }
+            Self::Wide => wide::cases(count, seed).into_iter().map(|c| (c.number, c.text, c.thinnest_wall)).collect(),
+        };
+        all.into_iter().filter_map(job).collect()
+    }
 }
 
 impl Arguments {
