@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     fn identity() -> Reduced {
-        Reduced::new(&[vec![1.0, 0.0], vec![0.0, 2.0]], &[3.0, -4.0], &[1.0, 1.0]).unwrap()
+        Reduced::new(&[vec![1.0, 0.0], vec![0.0, 2.0]], &[3.0, -4.0], &[1.0, 1.0], &[1.0, 1.0]).unwrap()
     }
 
     #[test]

@@ -1,23 +1,30 @@
 //! Constants of a law from curves: weighted linear least squares, with or without the condition of stability.
 //!
-//! Every test counts equally, however many points it has: a point of test t has the weight `wₜ / nₜ`, with the user's `wₜ`.
-//! *Absolute* residuals are differences of nominal stress; *relative* ones are divided by the measured stress, or by 5 % of the
-//! test's largest one where it is less, so that points near rest do not rule the fit.
+//! Every test counts equally, however many points it has: the points of test t share the weight `wₜ`, which is the user's.
+//! *Relative* residuals are differences of nominal stress divided by the measured stress; below 10 % strain by that measured at 10 %
+//! or more, so that noise near rest does not rule the fit; and the points share the weight so that each part of the logarithm of the strain has the
+//! same. *Absolute* ones are the differences themselves: the largest stresses rule, and in a
+//! curve that goes to the break those are of no use to an actuator.
 //!
-//! The confidence intervals are those of linear regression: they suppose that residuals are independent of each other, of
-//! variances inverse to the weights, and that the law is right. The residuals of a smooth curve to which the law does not
+//! The confidence intervals are those of linear regression: they suppose that residuals are independent of each other, of one standard
+//! deviation (relative to the stress, with relative ones), and that the law is right. The residuals of a smooth curve to which the law does not
 //! fit exactly are none of it: neighbours deviate to the same side. [`LawFit::residual_correlation`] tells how much, and
 //! [`LawFit::widening`] by how much the intervals are too narrow if residuals are a first-order autoregressive series. None of
 //! this covers what another specimen, batch or laboratory would give, which is usually the larger part.
 
+use crate::bands::{Band, bands};
 use crate::constrained;
 use crate::curve::Point;
 use crate::law::{Law, Mode};
 use crate::regression::{Reduced, Statistics};
 use crate::stability::{StableRange, conditions, margin, stable_range, zero_slope};
 
-/// Relative residuals are divided by no less than this share of the test's largest stress.
-const FLOOR: f64 = 0.05;
+/// At smaller strains than this, relative residuals are divided by the stress there, and count the less the smaller the strain is: slack of
+/// the grips and offsets of the load cell rule the first points of many curves.
+const SMALL: f64 = 0.1;
+
+/// Points are neighbours whose logarithms of the strain differ by less than this.
+const NEIGHBOURHOOD: f64 = 0.1;
 
 /// States per test at which stability is demanded and checked.
 const STATES: usize = 1000;
@@ -42,11 +49,11 @@ pub struct Test {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Residuals {
-    /// Differences of nominal stress.
+    /// Differences of nominal stress divided by the measured stress.
     #[default]
-    Absolute,
-    /// The same divided by the measured stress.
     Relative,
+    /// The differences themselves.
+    Absolute,
 }
 
 /// How constants are fitted.
@@ -121,6 +128,8 @@ pub struct LawFit {
     pub correlation: Option<Vec<Vec<f64>>>,
     /// Agreement per test.
     pub tests: Vec<Agreement>,
+    /// Relative errors per test and band of strains.
+    pub bands: Vec<Vec<Band>>,
     /// Agreement with all points, weighted as in the fit.
     pub total: Agreement,
     /// Correlation of each residual with the next one of its test; 0 for independent ones.
@@ -175,34 +184,88 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<LawFit, Fit
     let statistics = if stable.is_some() { None } else { reduced.statistics() };
     let held = options.stable_up_to.filter(|_| stable.is_some());
     let values = stable.unwrap_or(free);
-    let fitted = describe(law, &values, statistics, tests, &weights, held);
+    let fitted = describe(law, &values, statistics, tests, &weights.values, held);
     let numbers = fitted.tests.iter().chain([&fitted.total]).flat_map(|a| [a.rms_mpa, a.relative_rms, a.largest_mpa]);
     if values.iter().copied().chain(numbers).all(f64::is_finite) { Ok(fitted) } else { Err(FitError::NotFinite) }
 }
 
-/// Weights of all points, of mean 1.
-fn weights(tests: &[Test], residuals: Residuals) -> Vec<f64> {
-    let mut weights = Vec::new();
-    for test in tests {
-        let largest = test.points.iter().map(|p| p.stress.abs()).fold(0.0, f64::max);
-        let share = test.weight / test.points.len() as f64;
-        weights.extend(test.points.iter().map(|p| match residuals {
-            Residuals::Absolute => share,
-            Residuals::Relative => share / p.stress.abs().max(FLOOR * largest).max(f64::MIN_POSITIVE.sqrt()).powi(2),
-        }));
-    }
-    let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
-    weights.iter().map(|w| w / mean).collect()
+/// The constants alone, MPa, without a condition of stability.
+///
+/// # Errors
+/// As [`fit`].
+pub fn free_constants(law: Law, tests: &[Test], residuals: Residuals) -> Result<Vec<f64>, FitError> {
+    let reduced = reduce(law, tests, &weights(tests, residuals))?;
+    reduced.solve().ok_or(FitError::Undetermined(law.constants().len()))
 }
 
-fn reduce(law: Law, tests: &[Test], weights: &[f64]) -> Result<Reduced, FitError> {
+/// Weights of points.
+struct Weights {
+    /// As they count, of mean 1.
+    values: Vec<f64>,
+    /// The same over weights that are inverse to the variances of the points, of mean 1.
+    over_inverse_variance: Vec<f64>,
+}
+
+fn weights(tests: &[Test], residuals: Residuals) -> Weights {
+    let (mut values, mut over) = (Vec::new(), Vec::new());
+    for test in tests {
+        let share = test.weight / test.points.len() as f64;
+        let (scales, measure) = match residuals {
+            Residuals::Absolute => (vec![1.0; test.points.len()], vec![1.0; test.points.len()]),
+            Residuals::Relative => (scales(&test.points), measure(&test.points)),
+        };
+        values.extend(scales.iter().zip(&measure).map(|(scale, measure)| share * measure / (scale * scale)));
+        over.extend(measure);
+    }
+    let of_mean_one = |values: Vec<f64>| {
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        values.iter().map(|w| w / mean).collect()
+    };
+    Weights { values: of_mean_one(values), over_inverse_variance: of_mean_one(over) }
+}
+
+/// What the residuals of a test are divided by, MPa.
+fn scales(points: &[Point]) -> Vec<f64> {
+    let strain = |p: &Point| (p.stretch - 1.0).abs();
+    let stresses =
+        |is_small: bool| points.iter().filter(move |p| (strain(p) < SMALL) == is_small).map(|p| p.stress.abs());
+    // With small strains alone, all count alike.
+    let least = stresses(false).min_by(f64::total_cmp).unwrap_or_else(|| stresses(true).fold(0.0, f64::max));
+    let has_large = stresses(false).next().is_some();
+    let scale = |p: &Point| {
+        let doubt = if has_large && strain(p) < SMALL { SMALL / strain(p).max(1e-3 * SMALL) } else { 1.0 };
+        (doubt * p.stress.abs().max(least)).max(f64::MIN_POSITIVE.sqrt())
+    };
+    points.iter().map(scale).collect()
+}
+
+/// How much each point of a test stands for, of mean 1: every part of the logarithm of the strain counts alike, however many points are in
+/// it. Machines write points at equal times, most of which are at the largest strains.
+fn measure(points: &[Point]) -> Vec<f64> {
+    let place = |p: &Point| {
+        let strain = (p.stretch - 1.0).abs() / SMALL;
+        (p.stretch - 1.0).signum() * if strain < 1.0 { strain } else { 1.0 + strain.ln() }
+    };
+    let mut sorted: Vec<f64> = points.iter().map(place).collect();
+    sorted.sort_by(f64::total_cmp);
+    let neighbours = |place: f64| {
+        let below = |limit: f64| sorted.partition_point(|other| *other < limit);
+        below(place + NEIGHBOURHOOD) - below(place - NEIGHBOURHOOD)
+    };
+    let measure: Vec<f64> = points.iter().map(|p| 1.0 / neighbours(place(p)).max(1) as f64).collect();
+    let mean = measure.iter().sum::<f64>() / points.len().max(1) as f64;
+    measure.iter().map(|m| m / mean).collect()
+}
+
+fn reduce(law: Law, tests: &[Test], weights: &Weights) -> Result<Reduced, FitError> {
     let points = || tests.iter().flat_map(|t| t.points.iter().map(move |p| (t.mode, p)));
     let rows: Vec<Vec<f64>> = points().map(|(mode, p)| law.stress_basis(mode, p.stretch)).collect();
     if !rows.iter().flatten().all(|x| x.is_finite()) {
         return Err(FitError::NotFinite);
     }
     let right: Vec<f64> = points().map(|(_, p)| p.stress).collect();
-    Reduced::new(&rows, &right, weights).ok_or(FitError::Undetermined(law.constants().len()))
+    Reduced::new(&rows, &right, &weights.values, &weights.over_inverse_variance)
+        .ok_or(FitError::Undetermined(law.constants().len()))
 }
 
 /// States in which stability is looked at: all tests in tension up to an I₁ − 3. They are enough: compression and shear the
@@ -217,7 +280,13 @@ fn is_stable_up_to(law: Law, constants: &[f64], limit: f64) -> bool {
     states(limit).all(|state| margin(law, constants, state) > 0.0)
 }
 
-fn held_stable(law: Law, tests: &[Test], weights: &[f64], reduced: &Reduced, limit: f64) -> Result<Vec<f64>, FitError> {
+fn held_stable(
+    law: Law,
+    tests: &[Test],
+    weights: &Weights,
+    reduced: &Reduced,
+    limit: f64,
+) -> Result<Vec<f64>, FitError> {
     let neo_hookean = reduce(Law::NeoHookean, tests, weights)?.solve().ok_or(FitError::NoStableConstants)?;
     let forms: Vec<Vec<f64>> = states(limit).flat_map(|state| conditions(law, state)).collect();
     let found = constrained::solve(reduced, &forms, STABLE_SHARE * neo_hookean[0].abs());
@@ -262,6 +331,7 @@ fn describe(
         shear_modulus_mpa: law.shear_modulus(values),
         correlation: statistics.map(|s| s.correlation),
         tests: per_test,
+        bands: tests.iter().map(|test| bands(law, values, test)).collect(),
         total,
         residual_correlation,
         widening,

@@ -4,17 +4,20 @@
 //! * [`clean`]: rows at rest, duplicates, cycles, what comes after the break, the range to fit.
 //! * [`law`]: Yeoh, Mooney-Rivlin and neo-Hookean stress in uniaxial, equibiaxial and planar tension, incompressible.
 //! * [`fit`]: weighted linear least squares with its statistics, with or without the condition of stability.
+//! * [`bands`], [`range`]: how well a law meets a curve at every strain, and how much of a curve it can follow.
 //! * [`stability`]: the stretches up to which a law is stable in Drucker's sense.
 //! * [`library`]: constants of known silicones, each with its source.
 //!
 //! Units: stretches and strains without unit, stresses and constants in MPa. This crate knows neither files nor terminals.
 
+pub mod bands;
 pub mod clean;
 mod constrained;
 pub mod curve;
 pub mod fit;
 pub mod law;
 pub mod library;
+pub mod range;
 mod regression;
 pub mod stability;
 mod words;

@@ -45,11 +45,11 @@ const UNKNOWN: &str = "not stated";
 
 const fn own(name: &'static str, curve: &'static str, to: f64, constants: [f64; 3]) -> Entry {
     let (range, arguments) = if to > 9.0 {
-        ("uniaxial, the whole curve, stretch 1 to 2.93", "")
+        ("uniaxial, the whole curve, stretch 1 to 2.93", "--residuals absolute --to all")
     } else if to > 3.0 {
-        ("uniaxial, stretch 1 to 4", "--to 4")
+        ("uniaxial, stretch 1 to 4", "--residuals absolute --to 4")
     } else {
-        ("uniaxial, stretch 1 to 2", "--to 2")
+        ("uniaxial, stretch 1 to 2", "--residuals absolute --to 2")
     };
     Entry { name, constants, range, source: MARECHAL, fit: Some(OwnFit { curve, to, arguments }), bulk_modulus: None }
 }
@@ -85,7 +85,11 @@ pub const ENTRIES: [Entry; 22] = [
         constants: [0.182363, -0.00489973, 0.0020688],
         range: "uniaxial (stretch 0.49 to 2.17), equibiaxial (to 2.06) and planar (to 2.15) together",
         source: MEUNIER,
-        fit: Some(OwnFit { curve: "meunier_2008.csv", to: 10.0, arguments: "--unit MPa" }),
+        fit: Some(OwnFit {
+            curve: "meunier_2008.csv",
+            to: 10.0,
+            arguments: "--unit MPa --residuals absolute --to all",
+        }),
         bulk_modulus: None,
     },
     Entry {

@@ -19,6 +19,10 @@ pub struct Reduced {
     pub rest: f64,
     /// Rows.
     pub rows: usize,
+    /// Qᵀ D Q with the weights D over those that are inverse to the rows' variances.
+    of_variances: DMatrix<f64>,
+    /// tr D.
+    sum_of_ratios: f64,
 }
 
 /// Standard errors of the unknowns and what follows from them.
@@ -35,8 +39,9 @@ pub struct Statistics {
 }
 
 impl Reduced {
-    /// Reduces the problem; `None` if there are too few rows, columns without numbers, or columns that depend on each other.
-    pub fn new(rows: &[Vec<f64>], right: &[f64], weights: &[f64]) -> Option<Self> {
+    /// Reduces the problem; `None` if there are too few rows, columns without numbers, or columns that depend on each other. `ratios` are the
+    /// weights over those that are inverse to the rows' variances: 1 for weights that follow from the noise alone.
+    pub fn new(rows: &[Vec<f64>], right: &[f64], weights: &[f64], ratios: &[f64]) -> Option<Self> {
         let columns = rows.first()?.len();
         if rows.len() < columns {
             return None;
@@ -53,13 +58,24 @@ impl Reduced {
         let qr = a.qr();
         let mut rotated = b;
         qr.q_tr_mul(&mut rotated);
+        let q = qr.q();
+        let scaled = DMatrix::from_fn(rows.len(), columns, |i, j| ratios[i] * q[(i, j)]);
+        let of_variances = q.tr_mul(&scaled);
         let r = qr.unpack_r();
         let singular = r.clone().svd(false, false).singular_values;
         if singular.min() < RANK_TOLERANCE * singular.max() {
             return None;
         }
         let rest = rotated.rows(columns, rotated.len() - columns).norm_squared();
-        Some(Self { r, right: rotated.rows(0, columns).into_owned(), scale, rest, rows: rows.len() })
+        Some(Self {
+            r,
+            right: rotated.rows(0, columns).into_owned(),
+            scale,
+            rest,
+            rows: rows.len(),
+            of_variances,
+            sum_of_ratios: ratios.iter().sum(),
+        })
     }
 
     /// The unknowns that belong to s = R⁻¹ z.
@@ -73,14 +89,14 @@ impl Reduced {
         self.unknowns(&self.right)
     }
 
-    /// Statistics of the best unknowns, if rows are independent with variances inverse to their weights; `None` without a
-    /// degree of freedom.
+    /// Statistics of the best unknowns, if rows are independent with the variances that were supposed: σ² R⁻¹ Qᵀ D Q R⁻ᵀ, with σ² from
+    /// E ‖Ax − b‖² = σ² (tr D − tr Qᵀ D Q); `None` without a degree of freedom.
     pub fn statistics(&self) -> Option<Statistics> {
         let columns = self.scale.len();
         let degrees_of_freedom = self.rows.checked_sub(columns).filter(|d| *d > 0)?;
         let inverse = self.r.clone().try_inverse()?;
-        let variance = self.rest / degrees_of_freedom as f64;
-        let covariance = &inverse * inverse.transpose();
+        let variance = self.rest / (self.sum_of_ratios - self.of_variances.trace());
+        let covariance = &inverse * &self.of_variances * inverse.transpose();
         let deviation: Vec<f64> = (0..columns).map(|i| covariance[(i, i)].sqrt()).collect();
         let standard_errors: Vec<f64> = (0..columns).map(|i| variance.sqrt() * deviation[i] / self.scale[i]).collect();
         let quantile = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?.inverse_cdf(0.975);
@@ -110,7 +126,7 @@ mod tests {
         let rest: f64 = x.iter().zip(y).map(|(v, w)| (w - a - b * v).powi(2)).sum();
         let s = (rest / 3.0).sqrt();
         let rows: Vec<Vec<f64>> = x.iter().map(|v| vec![1.0, *v]).collect();
-        let reduced = Reduced::new(&rows, &y, &[1.0; 5]).unwrap();
+        let reduced = Reduced::new(&rows, &y, &[1.0; 5], &[1.0; 5]).unwrap();
         let found = reduced.solve().unwrap();
         let statistics = reduced.statistics().unwrap();
         assert!((found[0] - a).abs() < 1e-13 && (found[1] - b).abs() < 1e-13);
@@ -135,8 +151,8 @@ mod tests {
             }
             rows
         };
-        let weighted = Reduced::new(&rows(false), &[1.0, 3.0, 4.0], &[1.0, 2.0, 1.0]).unwrap();
-        let repeated = Reduced::new(&rows(true), &[1.0, 3.0, 4.0, 3.0], &[1.0; 4]).unwrap();
+        let weighted = Reduced::new(&rows(false), &[1.0, 3.0, 4.0], &[1.0, 2.0, 1.0], &[1.0; 3]).unwrap();
+        let repeated = Reduced::new(&rows(true), &[1.0, 3.0, 4.0, 3.0], &[1.0; 4], &[1.0; 4]).unwrap();
         for (a, b) in weighted.solve().unwrap().iter().zip(repeated.solve().unwrap()) {
             assert!((a - b).abs() < 1e-13);
         }
@@ -145,10 +161,12 @@ mod tests {
 
     #[test]
     fn dependent_columns_and_missing_rows_are_noticed() {
-        assert!(Reduced::new(&[vec![1.0, 2.0], vec![2.0, 4.0], vec![3.0, 6.0]], &[1.0; 3], &[1.0; 3]).is_none());
-        assert!(Reduced::new(&[vec![1.0, 2.0]], &[1.0], &[1.0]).is_none());
-        assert!(Reduced::new(&[vec![f64::INFINITY]], &[1.0], &[1.0]).is_none());
-        let exact = Reduced::new(&[vec![1.0, 2.0], vec![2.0, 1.0]], &[1.0; 2], &[1.0; 2]).unwrap();
+        assert!(
+            Reduced::new(&[vec![1.0, 2.0], vec![2.0, 4.0], vec![3.0, 6.0]], &[1.0; 3], &[1.0; 3], &[1.0; 3]).is_none()
+        );
+        assert!(Reduced::new(&[vec![1.0, 2.0]], &[1.0], &[1.0], &[1.0]).is_none());
+        assert!(Reduced::new(&[vec![f64::INFINITY]], &[1.0], &[1.0], &[1.0]).is_none());
+        let exact = Reduced::new(&[vec![1.0, 2.0], vec![2.0, 1.0]], &[1.0; 2], &[1.0; 2], &[1.0; 2]).unwrap();
         assert!(exact.statistics().is_none());
     }
 }

@@ -10,9 +10,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use pneuflex::calibration::clean::{Cleaned, clean};
-use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES};
-use pneuflex::calibration::fit::{FitError, FitOptions, LawFit, Test, fit as fit_law, largest_i1_minus_3};
+use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
+use pneuflex::calibration::fit::{FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3};
 use pneuflex::calibration::law::Law;
+use pneuflex::calibration::range::longest_range;
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
@@ -71,7 +72,7 @@ impl Prepared {
 /// # Errors
 /// Files or options that cannot be used, or results that cannot be written.
 pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
-    let (mut files, mut tests) = (Vec::new(), Vec::new());
+    let (mut files, mut tests) = (Vec::new(), Vec::<Prepared>::new());
     for path in &arguments.files {
         let text = read(path)?;
         let options = arguments.read_options(path)?;
@@ -81,6 +82,9 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
             tests.push(Prepared::new(curve, arguments)?);
         }
         files.push(FileNote { file: name, understood: reading.understood });
+    }
+    if !arguments.gives_end() {
+        shorten(&mut tests, chosen(arguments), arguments.residuals());
     }
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
@@ -131,6 +135,33 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
             ));
             Ok(Outcome::NotConverged)
         }
+    }
+}
+
+/// Leaves out what the law cannot follow together with the strains that actuators see.
+fn shorten(tests: &mut [Prepared], law: Law, residuals: Residuals) {
+    let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
+    // What cannot be fitted is said later.
+    let Ok(range) = longest_range(law, &all, residuals) else { return };
+    if range.to.is_infinite() {
+        return;
+    }
+    let [error, at] = range.of_all;
+    for prepared in tests {
+        let (inside, outside): (Vec<Point>, Vec<Point>) =
+            prepared.test.points.iter().partition(|p| p.stretch <= range.to);
+        if !outside.is_empty() {
+            prepared.cleaned.notes.push(format!(
+                "{} points above stretch {:.3} are not fitted: with them {} would be off by {:.0} % at stretch {at:.2}; --to all fits \
+                 them, too",
+                outside.len(),
+                range.to,
+                law.name(),
+                100.0 * error,
+            ));
+        }
+        prepared.test.points = inside;
+        prepared.cleaned.unused.extend(outside);
     }
 }
 
@@ -225,12 +256,15 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
     let mut comments = Vec::new();
     for fit in fits.iter().filter(|f| f.law == law) {
         comments.push(format!("{} fitted by pneuflex {} to", law.name(), env!("CARGO_PKG_VERSION")));
-        for (test, agreement) in tests.iter().zip(&fit.tests) {
+        for (test, bands) in tests.iter().zip(&fit.bands) {
             let [low, high] = test.stretch_range();
-            let r_squared = agreement.r_squared.map_or(String::new(), |r| format!(", R2 {r:.4}"));
+            let error = report::largest_error(bands).map_or(String::new(), |[error, at]| {
+                format!(", within {:.0} % from 10 % strain on (worst at {at:.2})", (100.0 * error).ceil())
+            });
             comments.push(format!(
-                "  {}: {} points, stretch {low:.3} to {high:.3}{r_squared}",
-                test.test.name, agreement.points
+                "  {}: {} points, stretch {low:.3} to {high:.3}{error}",
+                test.test.name,
+                test.test.points.len()
             ));
         }
         if !fit.is_stable_in_range {
@@ -256,7 +290,7 @@ fn print(
     if !arguments.quiet {
         text += &report::reading(files, tests);
         for fit in fits {
-            text += &report::law(fit, largest);
+            text += &report::law(fit, largest, fit.law == chosen(arguments));
         }
         for failure in not_fitted {
             text += &format!("\nnot fitted: {failure}\n");

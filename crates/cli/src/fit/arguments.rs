@@ -22,6 +22,8 @@ Files are tables with a header; cells between commas, semicolons or tabs; severa
 `test` or by the names of the columns (`uniaxial stress (MPa)`). What was understood is printed; what is not understood is refused.
 An option with FILE: before its value holds for that file alone.
 
+A fit up to the break is ruled by stresses that no actuator sees, and is then often twice too stiff where one works. So relative
+differences are minimised, and what the law cannot follow together with the small strains is left out (--to all fits it).
 Each test counts equally, however many points it has. Rows at stretch 1, duplicates, unloading and what follows a break are left
 out, and said so. The confidence intervals suppose independent residuals, which those of a smooth curve are not; the report
 says by about how much they are too narrow.
@@ -67,14 +69,16 @@ pub struct FitArguments {
     /// Smallest stretch, or engineering strain with %, that is fitted; for one test or all
     #[arg(long, value_name = "[TEST=]STRETCH")]
     from: Vec<String>,
-    /// Largest stretch, or engineering strain with %, that is fitted; for one test or all
+    /// Largest stretch, or engineering strain with %, that is fitted, for one test or all; `all` for every point [default: the longest range
+    /// on which the law is within 10 % of the stress at every strain from 10 % on]
     #[arg(long, value_name = "[TEST=]STRETCH")]
     to: Vec<String>,
     /// Weight of a test [default: 1 each]
     #[arg(long, value_name = "TEST=WEIGHT")]
     weight: Vec<String>,
-    /// Minimise differences of nominal stress, or the same relative to the stress (no less than 5 % of its largest value)
-    #[arg(long, default_value = "absolute")]
+    /// Minimise differences relative to the stress, each part of the logarithm of the strain counting alike, or differences of nominal
+    /// stress, which the largest stresses rule
+    #[arg(long, default_value = "relative")]
     residuals: ResidualsArgument,
     /// Only constants that are stable (Drucker) in every deformation up to this I1-3, by default the largest of the points
     #[arg(long, value_name = "I1-3", num_args = 0..=1, require_equals = true, default_missing_value = "data")]
@@ -113,10 +117,10 @@ enum CyclesArgument {
 /// What is minimised.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ResidualsArgument {
-    /// Differences of stress.
-    Absolute,
     /// Relative differences.
     Relative,
+    /// Differences of stress.
+    Absolute,
 }
 
 /// Laws that a case file can have.
@@ -194,7 +198,8 @@ impl FitArguments {
     pub fn cleaning(&self, mode: Mode) -> Result<Cleaning, InputError> {
         let default = Cleaning::default();
         let from = for_test("from", &self.from, mode, stretch)?.unwrap_or(default.from);
-        let to = for_test("to", &self.to, mode, stretch)?.unwrap_or(default.to);
+        let end = |text: &str| if text == "all" { Ok(f64::INFINITY) } else { stretch(text) };
+        let to = for_test("to", &self.to, mode, end)?.unwrap_or(default.to);
         if from >= to {
             return Err(InputError::new(format!("--from {from} is not less than --to {to} for {} tests", mode.name())));
         }
@@ -225,11 +230,20 @@ impl FitArguments {
                 }
             },
         };
-        let residuals = match self.residuals {
+        Ok(FitOptions { residuals: self.residuals(), stable_up_to })
+    }
+
+    /// What is minimised.
+    pub fn residuals(&self) -> Residuals {
+        match self.residuals {
             ResidualsArgument::Absolute => Residuals::Absolute,
             ResidualsArgument::Relative => Residuals::Relative,
-        };
-        Ok(FitOptions { residuals, stable_up_to })
+        }
+    }
+
+    /// Whether the user said where the range that is fitted ends.
+    pub fn gives_end(&self) -> bool {
+        !self.to.is_empty()
     }
 
     /// The bulk modulus for an initial shear modulus, MPa.

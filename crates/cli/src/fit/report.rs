@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use pneuflex::calibration::bands::{Band, TOLERANCE};
 use pneuflex::calibration::fit::{Agreement, LawFit, Residuals};
 use pneuflex::calibration::law::Mode;
 use pneuflex::calibration::stability::{SEARCHED, StableRange};
@@ -105,8 +106,54 @@ pub fn reading(files: &[FileNote], tests: &[Prepared]) -> String {
     text
 }
 
-/// Constants of a law, how well they fit, and where they are stable.
-pub fn law(fit: &LawFit, largest_i1_minus_3: f64) -> String {
+/// Largest relative error of a stress from 10 % strain on, and the stretch where it is.
+pub fn largest_error(bands: &[Band]) -> Option<[f64; 2]> {
+    let worst = bands.iter().max_by(|a, b| a.largest_error.abs().total_cmp(&b.largest_error.abs()))?;
+    Some([worst.largest_error.abs(), worst.largest_at_stretch])
+}
+
+/// Relative errors at small, moderate and large strains, with a warning where that of the `chosen` law is too large.
+fn errors(fit: &LawFit, width: usize, chosen: bool) -> String {
+    let mut text = String::new();
+    for (row, bands) in fit.tests.iter().zip(&fit.bands) {
+        let band = |b: &Band| {
+            let [low, high] = b.strain.map(|strain| 100.0 * strain);
+            format!("{low:.0} to {high:.0} %: {:+.0} %", 100.0 * b.largest_error)
+        };
+        let all: Vec<String> = bands.iter().map(band).collect();
+        if !all.is_empty() {
+            let _ = writeln!(text, "  {:width$}  largest error of the stress by strain: {}", row.test, all.join(", "));
+        }
+    }
+    let missed: Vec<String> = fit
+        .tests
+        .iter()
+        .zip(&fit.bands)
+        .flat_map(|(row, bands)| bands.iter().map(move |band| (row, band)))
+        .filter(|(_, band)| band.misses())
+        .map(|(row, band)| {
+            let kind = if band.largest_error > 0.0 { "stiff" } else { "soft" };
+            format!(
+                "{:.0} % too {kind} at stretch {:.2} ({})",
+                100.0 * band.largest_error.abs(),
+                band.largest_at_stretch,
+                row.test
+            )
+        })
+        .collect();
+    if chosen && !missed.is_empty() {
+        let _ = writeln!(
+            text,
+            "  WARNING: more than {:.0} % off: {}; fit the range that your actuator uses (--to), or compare the other laws",
+            100.0 * TOLERANCE,
+            missed.join(", ")
+        );
+    }
+    text
+}
+
+/// Constants of a law, how well they fit, and where they are stable; with warnings if it is the `chosen` one.
+pub fn law(fit: &LawFit, largest_i1_minus_3: f64, chosen: bool) -> String {
     let mut text = format!("\n{}\n", fit.law.name());
     for constant in &fit.constants {
         let interval = constant
@@ -120,6 +167,7 @@ pub fn law(fit: &LawFit, largest_i1_minus_3: f64) -> String {
     for row in fit.tests.iter().chain(shows_total.then_some(&fit.total)) {
         let _ = writeln!(text, "  {}", agreement(row, width));
     }
+    text += &errors(fit, width, chosen);
     if let Some(limit) = fit.held_stable_up_to_i1_minus_3 {
         let _ = writeln!(
             text,

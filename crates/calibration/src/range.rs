@@ -1,0 +1,70 @@
+//! How much of a curve a law can follow: fits up to the break are ruled by stresses that no actuator sees.
+
+use crate::bands::{TOLERANCE, bands};
+use crate::fit::{FitError, Residuals, Test, free_constants};
+use crate::law::Law;
+
+/// Ranges are tried down to this engineering strain, which most actuators reach.
+const LEAST_STRAIN: f64 = 1.0;
+
+/// By how much the strain at a range's end falls from one trial to the next.
+const RATIO: f64 = 0.9;
+
+/// Where no range is within the tolerance, one whose error is this many times the least is as good.
+const AS_GOOD: f64 = 1.1;
+
+/// The end of a range, and what it is good for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Largest stretch that is fitted; infinite for all points.
+    pub to: f64,
+    /// Largest relative error of a stress from 10 % strain on, of the law fitted to the range.
+    pub error: f64,
+    /// The same if all points are fitted, and the stretch where it is.
+    pub of_all: [f64; 2],
+}
+
+/// The longest range that a law can follow within [`TOLERANCE`] at every strain from 10 % on; if there is none, the longest of those where it
+/// comes closest.
+///
+/// # Errors
+/// As [`crate::fit::fit`], for all points.
+pub fn longest_range(law: Law, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
+    let of_all = worst(law, &free_constants(law, tests, residuals)?, tests);
+    let largest = tests.iter().flat_map(|t| t.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
+    let mut tried = vec![(f64::INFINITY, of_all[0])];
+    let mut strain = RATIO * (largest - 1.0);
+    while of_all[0] > TOLERANCE && strain >= LEAST_STRAIN {
+        let inside = up_to(tests, 1.0 + strain);
+        // A test of which nothing is left has no say any more, and must not lose it.
+        if inside.iter().any(|test| test.points.len() <= law.constants().len()) {
+            break;
+        }
+        if let Ok(constants) = free_constants(law, &inside, residuals) {
+            tried.push((1.0 + strain, worst(law, &constants, &inside)[0]));
+        }
+        strain *= RATIO;
+    }
+    let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+    let bound = (AS_GOOD * least).max(TOLERANCE);
+    let &(to, error) = tried.iter().find(|t| t.1 <= bound).unwrap_or(&tried[0]);
+    Ok(Range { to, error, of_all })
+}
+
+/// The tests without the points above a stretch.
+pub fn up_to(tests: &[Test], to: f64) -> Vec<Test> {
+    let cut = |test: &Test| Test {
+        points: test.points.iter().copied().filter(|p| p.stretch <= to).collect(),
+        ..test.clone()
+    };
+    tests.iter().map(cut).collect()
+}
+
+/// Largest relative error, and the stretch where it is.
+fn worst(law: Law, constants: &[f64], tests: &[Test]) -> [f64; 2] {
+    let all = tests.iter().flat_map(|test| bands(law, constants, test));
+    all.fold([0.0, 1.0], |worst, band| {
+        let error = band.largest_error.abs();
+        if error > worst[0] { [error, band.largest_at_stretch] } else { worst }
+    })
+}
