@@ -13,6 +13,18 @@ const BROKEN: f64 = 0.8;
 /// Least number of points of an unloading curve; a new specimen jumps back at once.
 const UNLOADING_POINTS: usize = 3;
 
+/// A loading that reaches no further than this share of the largest one is not the one that is meant.
+const WHOLE_LOADING: f64 = 0.5;
+
+/// A point that is off what its neighbours say by more than this share of it,
+const SPIKE: f64 = 0.3;
+
+/// and by more than this many times what they differ by, is an error of the measurement.
+const SPIKE_OVER_SLOPE: f64 = 5.0;
+
+/// A stress at rest above this share of the largest is an offset.
+const OFFSET: f64 = 0.01;
+
 /// Which loading of a cyclic test is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cycles {
@@ -32,6 +44,8 @@ pub struct Cleaning {
     pub cycles: Cycles,
     /// Keep what follows the break.
     pub keeps_break: bool,
+    /// Keep the stress that was measured at rest in all others.
+    pub keeps_offset: bool,
     /// Smallest stretch.
     pub from: f64,
     /// Largest stretch.
@@ -40,7 +54,7 @@ pub struct Cleaning {
 
 impl Default for Cleaning {
     fn default() -> Self {
-        Self { cycles: Cycles::Last, keeps_break: false, from: 0.0, to: f64::INFINITY }
+        Self { cycles: Cycles::Last, keeps_break: false, keeps_offset: false, from: 0.0, to: f64::INFINITY }
     }
 }
 
@@ -63,14 +77,36 @@ pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
     if !at_rest.is_empty() {
         notes.push(format!("{} left out at stretch 1, where every law gives 0", points(at_rest.len())));
     }
-    if let Some(offset) = at_rest.iter().find(|p| p.stress.abs() > 0.01 * largest) {
+    let moving = match at_rest.iter().find(|p| p.stress.abs() > OFFSET * largest) {
+        Some(offset) if how.keeps_offset => {
+            notes.push(format!(
+                "line {}: {:.4} MPa at stretch 1 is kept as part of every stress",
+                offset.line, offset.stress
+            ));
+            moving
+        }
+        Some(offset) => {
+            notes.push(format!(
+                "line {}: {:.4} MPa at stretch 1 is an offset of the load cell or a preload, and taken from every stress; --keep-offset \
+                 keeps it",
+                offset.line, offset.stress
+            ));
+            moving.iter().map(|p| Point { stress: p.stress - offset.stress, ..*p }).collect()
+        }
+        None => moving,
+    };
+    let (moving, spikes) = without_spikes(&moving);
+    if let Some(first) = spikes.first() {
         notes.push(format!(
-            "line {}: {:.4} MPa at stretch 1. A preload or an offset of the load cell is part of every stress below; \
-             subtract it first",
-            offset.line, offset.stress
+            "{} left out as errors of the measurement, the first in line {}: {:.4} MPa between neighbours that agree with each other",
+            points(spikes.len()),
+            first.line,
+            first.stress
         ));
     }
+    let moving = upwards(moving, &mut notes);
     let (kept, mut unused, has_order) = choose_loading(&moving, how.cycles, &mut notes);
+    unused.extend(spikes);
     let mut used = Vec::new();
     for branch in kept {
         let cut = if how.keeps_break || !has_order { None } else { break_of(&branch) };
@@ -100,6 +136,39 @@ pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
     Cleaned { used: inside, unused, notes }
 }
 
+/// Splits off single points that stand alone between neighbours.
+fn without_spikes(all: &[Point]) -> (Vec<Point>, Vec<Point>) {
+    let is_spike = |i: usize| {
+        let (Some(before), Some(after)) = (i.checked_sub(1).map(|k| all[k]), all.get(i + 1)) else { return false };
+        // Between neighbours in order only.
+        if (all[i].stretch - before.stretch) * (after.stretch - all[i].stretch) <= 0.0 {
+            return false;
+        }
+        let expected = 0.5 * (before.stress + after.stress);
+        let off = (all[i].stress - expected).abs();
+        off > SPIKE * expected.abs() && off > SPIKE_OVER_SLOPE * (after.stress - before.stress).abs()
+    };
+    let (mut kept, mut spikes) = (Vec::new(), Vec::new());
+    for i in 0..all.len() {
+        if is_spike(i) { spikes.push(all[i]) } else { kept.push(all[i]) }
+    }
+    (kept, spikes)
+}
+
+/// Rows that lead from the largest strain back to rest and nowhere else were written in that order, and not measured so.
+fn upwards(mut all: Vec<Point>, notes: &mut Vec<String>) -> Vec<Point> {
+    let strain = |p: &Point| p.stretch.ln().abs();
+    if let [only] = &branches(&all)[..]
+        && only.len() >= UNLOADING_POINTS
+        && only.iter().all(|p| (p.stretch > 1.0) == (only[0].stretch > 1.0))
+        && strain(&only[only.len() - 1]) < strain(&only[0])
+    {
+        all.reverse();
+        notes.push("the rows lead from the largest strain to the smallest; they are read the other way round".into());
+    }
+    all
+}
+
 fn points(count: usize) -> String {
     format!("{count} {}", if count == 1 { "point" } else { "points" })
 }
@@ -112,17 +181,20 @@ fn choose_loading(moving: &[Point], cycles: Cycles, notes: &mut Vec<String>) -> 
         (Some(first), Some(last)) => last.stretch.ln().abs() >= first.stretch.ln().abs(),
         _ => true,
     };
-    let is_unloading = |b: &[Point]| !is_loading(b) && b.len() >= UNLOADING_POINTS;
+    let crosses_rest = |b: &[Point]| b.iter().any(|p| p.stretch < 1.0) && b.iter().any(|p| p.stretch > 1.0);
+    let is_unloading = |b: &[Point]| !is_loading(b) && !crosses_rest(b) && b.len() >= UNLOADING_POINTS;
     // Rows in no order at all are no cycles.
     let is_unordered = branches.len() > 4 && 4 * branches.len() > moving.len();
     if is_unordered {
         return (vec![moving.to_vec()], Vec::new(), false);
     }
-    if !branches.iter().skip(1).any(|b| is_unloading(b)) {
+    if !branches.iter().any(|b| is_unloading(b)) {
         return (branches, Vec::new(), true);
     }
-    let loadings: Vec<usize> =
-        (0..branches.len()).filter(|&i| is_loading(&branches[i]) && branches[i].len() >= UNLOADING_POINTS).collect();
+    let reach = |b: &[Point]| b.iter().map(|p| p.stretch.ln().abs()).fold(0.0, f64::max);
+    let largest = branches.iter().filter(|b| is_loading(b)).map(|b| reach(b)).fold(0.0, f64::max);
+    let is_whole = |b: &[Point]| is_loading(b) && b.len() >= UNLOADING_POINTS && reach(b) >= WHOLE_LOADING * largest;
+    let loadings: Vec<usize> = (0..branches.len()).filter(|&i| is_whole(&branches[i])).collect();
     let (chosen, which) = match cycles {
         Cycles::All => {
             notes.push("a cyclic test: loading and unloading are fitted together".into());
@@ -135,8 +207,8 @@ fn choose_loading(moving: &[Point], cycles: Cycles, notes: &mut Vec<String>) -> 
     let kept = branches[chosen].clone();
     let lines = (kept.first().map_or(0, |p| p.line), kept.last().map_or(0, |p| p.line));
     notes.push(format!(
-        "a cyclic test with {} loadings: only the {which} is fitted, lines {} to {}; --cycles first, last or all",
-        loadings.len(),
+        "a test with {} and unloading: only the {which} loading is fitted, lines {} to {}; --cycles first, last or all",
+        if loadings.len() == 1 { "one loading".to_owned() } else { format!("{} loadings", loadings.len()) },
         lines.0,
         lines.1
     ));
@@ -201,6 +273,12 @@ mod tests {
         assert_eq!(cleaned.notes.len(), 2, "{:?}", cleaned.notes);
         let preload = clean(&curve([(1.0, 0.05), (1.1, 0.1), (1.2, 0.2)]), &Cleaning::default());
         assert!(preload.notes.iter().any(|n| n.contains("preload") && n.starts_with("line 2")), "{:?}", preload.notes);
+        assert!((preload.used[0].stress - 0.05).abs() < 1e-15 && (preload.used[1].stress - 0.15).abs() < 1e-15);
+        let kept = clean(
+            &curve([(1.0, 0.05), (1.1, 0.1), (1.2, 0.2)]),
+            &Cleaning { keeps_offset: true, ..Cleaning::default() },
+        );
+        assert_eq!(kept.used[0].stress, 0.1);
     }
 
     #[test]
@@ -227,6 +305,32 @@ mod tests {
         assert!((slope(&used(Cycles::Last)) - 1.1).abs() < 1e-12 && used(Cycles::Last).len() >= 9);
         assert!((slope(&used(Cycles::First)) - 2.0).abs() < 1e-12 && used(Cycles::First).len() >= 9);
         assert!(used(Cycles::All).len() > 40);
+    }
+
+    #[test]
+    fn descending_rows_are_turned_round_and_only_whole_loadings_count() {
+        let all = |points: Vec<(f64, f64)>| clean(&curve(points), &Cleaning::default());
+        let descending = all(ramp(40, 1, 0.1));
+        assert_eq!(descending.used.len(), 40, "{:?}", descending.notes);
+        assert!(descending.used[0].stretch < 1.2 && descending.notes[0].contains("other way round"));
+        // The rows begin with an unloading; its points are no part of the loading.
+        let begins = all([ramp(10, 1, 0.06), ramp(1, 12, 0.1)].concat());
+        assert!((11..=12).contains(&begins.used.len()) && begins.used.iter().all(|p| p.stress > 0.09), "{begins:?}");
+        // After the test, four points of a new loading.
+        let stub = all([ramp(1, 20, 0.1), ramp(19, 1, 0.06), ramp(2, 5, 0.07)].concat());
+        assert_eq!(stub.used.len(), 20, "{:?}", stub.notes);
+        assert!(stub.notes.iter().any(|n| n.contains("one loading and unloading")), "{:?}", stub.notes);
+        // Compression and tension in one go are no unloading.
+        assert_eq!(all(ramp(-5, 3, 0.1)).used.len(), 8);
+    }
+
+    #[test]
+    fn a_spike_is_no_break() {
+        let mut points = ramp(1, 20, 0.1);
+        points[9].1 *= 3.0;
+        let cleaned = clean(&curve(points), &Cleaning::default());
+        assert_eq!((cleaned.used.len(), cleaned.unused.len()), (19, 1), "{:?}", cleaned.notes);
+        assert!(cleaned.notes.iter().any(|n| n.contains("line 11")), "{:?}", cleaned.notes);
     }
 
     #[test]

@@ -59,6 +59,13 @@ impl Mode {
         }
     }
 
+    /// The test that a sentence or a name is about, by clear words alone: abbreviations stand in for too much else.
+    pub fn find_spelled_out(text: &str) -> Option<Self> {
+        let long: Vec<String> = words_of(text).into_iter().filter(|word| word.len() > 3).collect();
+        // "Pure shear" and "equi-biaxial" are two words.
+        Self::find(&long.join(" "))
+    }
+
     /// The principal stretches at a stretch λ > 0 along the load.
     pub fn stretches(self, stretch: f64) -> [f64; 3] {
         match self {

@@ -107,7 +107,10 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
         return Some((mode, "as given".into()));
     }
     let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    if let Some(mode) = Mode::find(stem) {
+    // An abbreviation counts if nothing else stands there: `ut.csv` is clear, `sample_ET_3.csv` may be anything.
+    let stem = stem.rsplit_once('.').map_or(stem, |(name, _)| name);
+    let abbreviated = || Mode::find(stem).filter(|_| words_of(stem).len() == 1);
+    if let Some(mode) = Mode::find_spelled_out(stem).or_else(abbreviated) {
         return Some((mode, "by the file's name".into()));
     }
     let above = lines(text).take_while(|(n, _)| *n < header_line);
@@ -117,7 +120,9 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
         if [["astm", "d412"], ["iso", "37"], ["din", "53504"]].into_iter().any(has) {
             return Some((Mode::Uniaxial, format!("by the standard in line {n}")));
         }
-        if let Some(mode) = Mode::find(line) {
+        let names_a_test = words.iter().any(|w| ["test", "mode", "loading", "versuch"].contains(&w.as_str()));
+        let abbreviated = || Mode::find(line).filter(|_| names_a_test);
+        if let Some(mode) = Mode::find_spelled_out(line).or_else(abbreviated) {
             return Some((mode, format!("by line {n}")));
         }
     }

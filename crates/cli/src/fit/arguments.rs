@@ -66,6 +66,9 @@ pub struct FitArguments {
     /// Keep the rows after the largest stress of a broken specimen
     #[arg(long)]
     keep_break: bool,
+    /// Keep a stress that was measured at stretch 1 in all others, from which it is taken otherwise
+    #[arg(long)]
+    keep_offset: bool,
     /// Smallest stretch, or engineering strain with %, that is fitted; for one test or all
     #[arg(long, value_name = "[TEST=]STRETCH")]
     from: Vec<String>,
@@ -208,7 +211,7 @@ impl FitArguments {
             CyclesArgument::First => Cycles::First,
             CyclesArgument::All => Cycles::All,
         };
-        Ok(Cleaning { cycles, keeps_break: self.keep_break, from, to })
+        Ok(Cleaning { cycles, keeps_break: self.keep_break, keeps_offset: self.keep_offset, from, to })
     }
 
     /// The weight of a test.
