@@ -15,6 +15,10 @@ pub enum Quantity {
     Test,
     /// A principal stretch besides the first, by its number (2 or 3).
     OtherStretch(usize),
+    /// Force, N per unit of the column.
+    Force(f64),
+    /// Change of length, mm per unit of the column.
+    Displacement(f64),
 }
 
 /// A column by its name.
@@ -28,6 +32,8 @@ pub struct Heading {
     pub mode: Option<Mode>,
     /// Unit of a stress.
     pub unit: Option<StressUnit>,
+    /// Whether a strain is said to be a pure number.
+    pub is_pure_number: bool,
 }
 
 impl Heading {
@@ -56,9 +62,15 @@ impl Heading {
             }))
         } else if has(&["stretch", "lambda", "extensionratio"]) || is(&["λ", "λ1", "f11"]) {
             Some(Quantity::Strain(StrainMeasure::Stretch))
-        } else if words.iter().filter(|w| *w == "mm").count() == 1 {
-            // A displacement, by its unit; a strain would be in mm/mm.
-            None
+        } else if let Some(newtons) = force_unit(&words).filter(|_| has(&["force", "load", "kraft"]) && !has(&["cell"]))
+        {
+            Some(Quantity::Force(newtons))
+        } else if let Some(millimetres) = length_unit(&words) {
+            // By its unit; a strain would be in mm/mm.
+            let names =
+                ["position", "displacement", "extension", "elongation", "strain", "crosshead", "stroke", "travel"];
+            let german = ["weg", "verlängerung", "dehnung"];
+            (has(&names) || has(&german)).then_some(Quantity::Displacement(millimetres))
         } else if has(&["strain", "dehnung", "elongation"]) || is(&["ε", "eps", "epsilon"]) {
             let measure = if has(&["true", "log", "hencky", "wahre"]) {
                 StrainMeasure::True
@@ -79,7 +91,11 @@ impl Heading {
         } else {
             None
         };
-        Self { name: name.trim().to_owned(), quantity, mode, unit }
+        let is_pure_number =
+            ["(-)", "[-]", "(1)", "[1]", "mm/mm", "m/m", "in/in"].iter().any(|unit| name.contains(unit))
+                || name.trim_end().ends_with(" -")
+                || name.trim_end().ends_with(" 1");
+        Self { name: name.trim().to_owned(), quantity, mode, unit, is_pure_number }
     }
 
     /// Whether this is stretch or strain.
@@ -91,6 +107,30 @@ impl Heading {
     pub fn is_stress(&self) -> bool {
         matches!(self.quantity, Some(Quantity::Stress(_)))
     }
+}
+
+/// N per unit of force among words.
+fn force_unit(words: &[String]) -> Option<f64> {
+    words.iter().find_map(|word| match word.as_str() {
+        "n" | "newton" => Some(1.0),
+        "kn" => Some(1e3),
+        "mn" => Some(1e-3),
+        "kgf" | "kp" => Some(9.806_65),
+        "lbf" => Some(4.448_221_615_260_5),
+        _ => None,
+    })
+}
+
+/// mm per unit of length among words, of which there is one.
+fn length_unit(words: &[String]) -> Option<f64> {
+    let mut found = words.iter().filter_map(|word| match word.as_str() {
+        "mm" => Some(1.0),
+        "cm" => Some(10.0),
+        "m" => Some(1e3),
+        "inch" => Some(25.4),
+        _ => None,
+    });
+    found.next().filter(|_| found.next().is_none())
 }
 
 /// Whether a cell of the line under the header is the unit of its column.
@@ -119,7 +159,13 @@ mod tests {
         assert_eq!(of("Standardspannung"), Some(Stress(None)));
         assert_eq!(of("mode"), Some(Quantity::Test));
         assert_eq!(of("F22"), Some(Quantity::OtherStretch(2)));
-        for other in ["Time (s)", "Force (N)", "Strain rate (1/s)", "URL", "S22", ""] {
+        assert_eq!(of("Load (N)"), Some(Quantity::Force(1.0)));
+        assert_eq!(of("Standardkraft [kN]"), Some(Quantity::Force(1e3)));
+        assert_eq!(of("Position (mm)"), Some(Quantity::Displacement(1.0)));
+        assert_eq!(of("Strain (mm)"), Some(Quantity::Displacement(1.0)));
+        assert_eq!(of("Strain (mm/mm)"), Some(Strain(StrainMeasure::Engineering)));
+        assert!(Heading::new("Strain (mm/mm)").is_pure_number && !Heading::new("Strain").is_pure_number);
+        for other in ["Time (s)", "Load Cell (kN)", "Thickness (mm)", "Strain rate (1/s)", "URL", "S22", ""] {
             assert_eq!(of(other), None, "{other}");
         }
         let wide = Heading::new("pure shear stress (kPa)");

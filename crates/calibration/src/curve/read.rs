@@ -1,16 +1,22 @@
 //! From a table to curves.
 
 use super::decimal::{DecimalSign, Evidence, is_number, number};
-use super::header::{Heading, is_unit};
+use super::header::{Heading, Quantity, is_unit};
 use super::reading::{Curve, CurveError, MAX_BYTES, MAX_POINTS, Point, ReadOptions, Reading, shown};
 use super::select::{Pair, Selection, select, title};
 use super::table::{LOOK_AHEAD, Row, lines, separator, split};
-use super::unit::StrainMeasure;
+use super::unit::{StrainMeasure, StressMeasure};
 use crate::law::Mode;
 use crate::words::words_of;
 
-/// Engineering strains beyond this are taken for per cent that nobody declared.
+/// No rubber is stretched to more than this engineering strain.
 const LARGEST_STRAIN: f64 = 30.0;
+
+/// Largest engineering strain of a curve from which on it may as well be in per cent that nobody declared.
+const AMBIGUOUS_STRAIN: f64 = 2.5;
+
+/// Largest difference of true strain and ln(1 + engineering strain) in a file that gives both.
+const STRAIN_TOLERANCE: f64 = 0.02;
 
 /// Largest deviation of det F from 1, and of stretches that a test makes equal, where a file gives all three.
 const STRETCH_TOLERANCE: f64 = 0.02;
@@ -25,13 +31,33 @@ pub fn read(file: &str, text: &str, options: &ReadOptions) -> Result<Reading, Cu
     }
     let separator = separator(text)?;
     let header = find_header(text, separator)?;
-    let selection = select(&header.headings, header.line, options)?;
+    let first = lines(text).find(|(n, _)| *n > header.line);
+    let first = first.map(|(n, l)| split(n, l, separator)).transpose()?;
+    let has_number = |column: usize| first.as_ref().is_some_and(|row| is_number(row.cell(column)));
+    let selection = select(&header.headings, has_number, header.line, options)?;
     let decimal = decimal_sign(text, separator, &header, options)?;
     let from_elsewhere = test_of_file(file, text, header.line, options);
     let reader = Reader { separator, decimal, header: &header, selection: &selection, single: from_elsewhere.as_ref() };
-    let curves = reader.curves(file, text)?;
-    let understood = describe(&reader, &curves);
+    let mut curves = reader.curves(file, text)?;
+    let is_compression =
+        curves.iter_mut().filter(|curve| curve.mode == Mode::Uniaxial).try_fold(false, |any, curve| {
+            Ok(any | (is_about_compression(file, text, &header) && reader.turn_compression(curve)?))
+        })?;
+    let mut understood = describe(&reader, &curves);
+    if is_compression {
+        understood.insert(0, "compression with positive signs: strains and stresses are taken as negative".into());
+    }
     Ok(Reading { curves, understood })
+}
+
+/// Whether the file's name, a line above the table or a name in it speaks of compression, and nothing of tension.
+fn is_about_compression(file: &str, text: &str, header: &Header) -> bool {
+    let names = header.headings.iter().map(|heading| heading.name.as_str());
+    let above = lines(text).take_while(|(n, _)| *n < header.line).take(LOOK_AHEAD).map(|(_, line)| line);
+    let all: Vec<String> =
+        above.chain(names).chain([file.rsplit(['/', '\\']).next().unwrap_or(file)]).flat_map(words_of).collect();
+    let has = |parts: &[&str]| all.iter().any(|word| parts.iter().any(|part| word.starts_with(part)));
+    has(&["compress", "druckversuch", "stauch"]) && !has(&["tensi", "tensile", "zugversuch"])
 }
 
 /// Names of columns, and where the rows below them begin.
@@ -139,6 +165,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn curves(&self, file: &str, text: &str) -> Result<Vec<Curve>, CurveError> {
+        let mut largest: Option<(f64, Row)> = None;
         let mut curves = Mode::ALL.map(|mode| Curve { file: file.to_owned(), mode, points: Vec::new() });
         let mut count = 0;
         for (line, text) in lines(text).skip_while(|(n, _)| *n <= self.header.line) {
@@ -153,13 +180,58 @@ impl Reader<'_> {
                     return Err(CurveError::at(line, format!("more than {MAX_POINTS} points")).help("thin the curve"));
                 }
                 curves[mode as usize].points.push(point);
+                let strain = number(row.cell(pair.strain), self.decimal).unwrap_or(0.0);
+                if pair.may_be_percent && largest.as_ref().is_none_or(|(most, _)| strain > *most) {
+                    largest = Some((strain, row.clone()));
+                }
             }
+        }
+        if let Some((strain, row)) = largest {
+            self.refuse_undeclared_percent(strain, &row)?;
         }
         let curves: Vec<Curve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
         if curves.is_empty() {
             return Err(CurveError::at(self.header.line, "no numbers below the header"));
         }
         Ok(curves)
+    }
+
+    /// Turns the signs of a test of compression whose machine writes strains and stresses as positive numbers; whether it does.
+    fn turn_compression(&self, curve: &mut Curve) -> Result<bool, CurveError> {
+        if curve.points.iter().any(|p| p.stretch < 1.0 || p.stress < 0.0) {
+            return Ok(false);
+        }
+        let plain = |pair: &Pair| {
+            matches!(pair.strain_measure, StrainMeasure::Engineering | StrainMeasure::Percent)
+                && pair.stress_measure == StressMeasure::Nominal
+        };
+        if !self.selection.pairs.iter().all(plain) || curve.points.iter().any(|p| p.stretch >= 2.0) {
+            let message = "a test of compression with positive signs: stretches must be less than 1, stresses negative";
+            return Err(CurveError::new(message).help("change the signs in the file"));
+        }
+        for point in &mut curve.points {
+            *point = Point { stretch: 2.0 - point.stretch, stress: -point.stress, ..*point };
+        }
+        Ok(true)
+    }
+
+    /// Strains up to 25 without a unit are 25 % to most people, and 2500 % to some machines. A true strain beside it decides.
+    fn refuse_undeclared_percent(&self, strain: f64, row: &Row) -> Result<(), CurveError> {
+        let headings = &self.header.headings;
+        let is_true = |h: &Heading| h.quantity == Some(Quantity::Strain(StrainMeasure::True));
+        let truth = headings.iter().position(is_true).and_then(|column| number(row.cell(column), self.decimal));
+        if strain <= AMBIGUOUS_STRAIN || truth.is_some_and(|t| (t - strain.ln_1p()).abs() < STRAIN_TOLERANCE) {
+            return Ok(());
+        }
+        let column = self.selection.pairs.iter().find(|pair| pair.may_be_percent).map_or(0, |pair| pair.strain);
+        let message = format!(
+            "column {}: strains up to {strain} may be {strain} % (a stretch of {:.4}) or {:.0} % (a stretch of {:.4})",
+            title(headings, column),
+            1.0 + 0.01 * strain,
+            100.0 * strain,
+            1.0 + strain,
+        );
+        Err(CurveError::at(row.line, message).help("add --strain percent, or --strain engineering if 1 is 100 %"))
     }
 
     /// A row of `1,5,2,3` under two names would give wrong numbers without a word.
@@ -193,7 +265,7 @@ impl Reader<'_> {
                 CurveError::at(row.line, format!("column {title}: {what}; expected a finite number{sign}"))
             })
         };
-        let strain = value(pair.strain)?;
+        let strain = pair.strain_factor * value(pair.strain)?;
         let stretch = pair.strain_measure.stretch(strain);
         let title = title(&self.header.headings, pair.strain);
         if !(stretch > 0.0 && stretch.is_finite()) {
@@ -203,7 +275,7 @@ impl Reader<'_> {
             );
             return Err(CurveError::at(row.line, message).help("say what it is with --strain"));
         }
-        if pair.strain_measure == StrainMeasure::Engineering && strain > LARGEST_STRAIN {
+        if !pair.may_be_percent && pair.strain_measure == StrainMeasure::Engineering && strain > LARGEST_STRAIN {
             let message = format!("column {title}: an engineering strain of {strain} is more than {LARGEST_STRAIN}");
             return Err(CurveError::at(row.line, message).help("add --strain percent if it is in per cent"));
         }
@@ -264,21 +336,15 @@ fn describe(reader: &Reader, curves: &[Curve]) -> Vec<String> {
     let separator = match reader.separator {
         b';' => "semicolons",
         b'\t' => "tabs",
+        b' ' => "blanks",
         _ => "commas",
+    };
+    let is = |column: usize| match headings.get(column).and_then(|h| h.quantity) {
+        Some(Quantity::Force(_) | Quantity::Displacement(_)) => "gives",
+        _ => "is",
     };
     let sign = if reader.decimal == DecimalSign::Comma { ", decimal commas" } else { "" };
     let mut lines = Vec::new();
-    for pair in &reader.selection.pairs {
-        let supposed = if pair.is_supposed_nominal { " (supposed; --stress true otherwise)" } else { "" };
-        lines.push(format!(
-            "cells between {separator}{sign}; column {} is {}, column {} is {}{supposed} in {}",
-            title(headings, pair.strain),
-            pair.strain_measure.name(),
-            title(headings, pair.stress),
-            pair.stress_measure.name(),
-            pair.unit,
-        ));
-    }
     let has_modes = reader.selection.pairs.iter().all(|p| p.mode.is_some()) || reader.selection.test.is_some();
     let how = match reader.single {
         Some((_, how)) if !has_modes => format!(" ({how})"),
@@ -289,6 +355,19 @@ fn describe(reader: &Reader, curves: &[Curve]) -> Vec<String> {
         let (low, high) = stretches.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s), b.max(s)));
         let count = curve.points.len();
         lines.push(format!("{}{how}: {count} points, stretch {low:.4} to {high:.4}", curve.mode.name()));
+    }
+    for pair in &reader.selection.pairs {
+        let supposed = if pair.is_supposed_nominal { " (supposed; --stress true otherwise)" } else { "" };
+        lines.push(format!(
+            "cells between {separator}{sign}; column {} {} {}, column {} {} {}{supposed} in {}",
+            title(headings, pair.strain),
+            is(pair.strain),
+            pair.strain_measure.name(),
+            title(headings, pair.stress),
+            is(pair.stress),
+            pair.stress_measure.name(),
+            pair.unit,
+        ));
     }
     let used = |i: usize| {
         reader.selection.test == Some(i)

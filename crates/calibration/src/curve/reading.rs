@@ -56,6 +56,8 @@ pub struct ReadOptions {
     pub stress: Option<StressMeasure>,
     /// Decimal sign.
     pub decimal: Option<DecimalSign>,
+    /// Undeformed area (mm²) and length (mm) of the specimen: force and change of length are read.
+    pub specimen: Option<[f64; 2]>,
 }
 
 /// A file that cannot be used: where, why, and what to do.

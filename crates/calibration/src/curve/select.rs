@@ -41,15 +41,19 @@ impl ColumnChoice {
 pub struct Pair {
     /// Column of stretch or strain, from 0.
     pub strain: usize,
-    /// What it holds.
+    /// What it holds, times [`Self::strain_factor`].
     pub strain_measure: StrainMeasure,
+    /// 1, or 1 over the specimen's length for a change of length.
+    pub strain_factor: f64,
+    /// Whether nothing but its name says that a strain is no percentage.
+    pub may_be_percent: bool,
     /// Column of the stress, from 0.
     pub stress: usize,
     /// What it holds.
     pub stress_measure: StressMeasure,
     /// Whether nothing said so, and nominal stress was supposed.
     pub is_supposed_nominal: bool,
-    /// MPa per unit.
+    /// MPa per unit; of a force, with the specimen's area.
     pub to_megapascals: f64,
     /// Name of the unit.
     pub unit: &'static str,
@@ -68,11 +72,19 @@ pub struct Selection {
     pub other_stretches: [Option<usize>; 2],
 }
 
-/// Chooses the columns; `line` is the header's.
+/// Chooses the columns; `line` is the header's, and `has_number` says of a column whether the first row has a number there.
 ///
 /// # Errors
 /// Columns that are missing or cannot be told apart, a unit that nothing names.
-pub fn select(headings: &[Heading], line: usize, options: &ReadOptions) -> Result<Selection, CurveError> {
+pub fn select(
+    headings: &[Heading],
+    has_number: impl Fn(usize) -> bool,
+    line: usize,
+    options: &ReadOptions,
+) -> Result<Selection, CurveError> {
+    if let Some(specimen) = options.specimen {
+        return force_and_displacement(headings, has_number, specimen, line);
+    }
     let named = |column: &str| find(headings, column, line);
     let choice = &options.columns;
     let test = match &choice.test {
@@ -91,7 +103,10 @@ pub fn select(headings: &[Heading], line: usize, options: &ReadOptions) -> Resul
                 let own = strains(mode);
                 let common = if own.is_empty() { strains(None) } else { own };
                 // In tables of pairs without names of tests, the strain stands to the left of its stress.
-                best_strain(headings, &common, line)?
+                best_strain(headings, &common, line).map_err(|e| match common[..] {
+                    [] => e.help(help_without(headings, &has_number)),
+                    _ => e,
+                })?
             }
         };
         make_pair(headings, strain, stress, mode, line, options)
@@ -113,10 +128,66 @@ pub fn select(headings: &[Heading], line: usize, options: &ReadOptions) -> Resul
     };
     if pairs.is_empty() {
         return Err(CurveError::at(line, format!("no column of stress among {}", list(headings, None)))
-            .help("name the columns, e.g. --columns strain=1,stress=2"));
+            .help(help_without(headings, &has_number)));
+    }
+    // A column that is named and not filled holds nothing.
+    if let Some(pair) = pairs.iter().find(|pair| !has_number(pair.stress) && has_number(pair.strain)) {
+        let message = format!("column {} holds no number in the first row", title(headings, pair.stress));
+        return Err(CurveError::at(line, message).help(help_without(headings, &has_number)));
     }
     let other = |number| headings.iter().position(|h| h.quantity == Some(Quantity::OtherStretch(number)));
     Ok(Selection { test, pairs, other_stretches: [other(2), other(3)] })
+}
+
+/// What to do about a table without strain or stress.
+fn help_without(headings: &[Heading], has_number: &impl Fn(usize) -> bool) -> String {
+    let filled = |is: fn(&Quantity) -> bool| {
+        (0..headings.len()).find(|&i| headings[i].quantity.as_ref().is_some_and(is) && has_number(i))
+    };
+    let force = filled(|q| matches!(q, Quantity::Force(_)));
+    let displacement = filled(|q| matches!(q, Quantity::Displacement(_)));
+    match (force, displacement) {
+        (Some(force), Some(displacement)) => format!(
+            "add --area MM2 and --length MM of the undeformed specimen, and the curve follows from columns {} and {}",
+            title(headings, force),
+            title(headings, displacement)
+        ),
+        _ => "name the columns, e.g. --columns strain=1,stress=2".into(),
+    }
+}
+
+/// Force and change of length of a specimen of a known area and length.
+fn force_and_displacement(
+    headings: &[Heading],
+    has_number: impl Fn(usize) -> bool,
+    [area, length]: [f64; 2],
+    line: usize,
+) -> Result<Selection, CurveError> {
+    let the_one = |what: &str, is: fn(&Quantity) -> bool| {
+        let is_it = |i: &usize| headings[*i].quantity.as_ref().is_some_and(is) && has_number(*i);
+        let found: Vec<usize> = (0..headings.len()).filter(is_it).collect();
+        best(headings, &found, what, line, |_| 0)
+    };
+    let force = the_one("force", |q| matches!(q, Quantity::Force(_)))?;
+    let displacement = the_one("change of length", |q| matches!(q, Quantity::Displacement(_)))?;
+    let factor = |column: usize| match headings[column].quantity {
+        Some(Quantity::Force(factor) | Quantity::Displacement(factor)) => factor,
+        _ => 1.0,
+    };
+    let pair = Pair {
+        strain: displacement,
+        strain_measure: StrainMeasure::Engineering,
+        strain_factor: factor(displacement) / length,
+        may_be_percent: false,
+        stress: force,
+        stress_measure: StressMeasure::Nominal,
+        is_supposed_nominal: false,
+        to_megapascals: factor(force) / area,
+        unit: "MPa, by the specimen's area and length",
+        mode: None,
+    };
+    let test = headings.iter().position(|h| h.quantity == Some(Quantity::Test));
+    Ok(Selection { test, pairs: vec![pair], other_stretches: [None, None] })
 }
 
 fn wanted_strain(heading: &Heading, options: &ReadOptions) -> bool {
@@ -186,6 +257,7 @@ fn make_pair(
     options: &ReadOptions,
 ) -> Result<Pair, CurveError> {
     let by_choice = options.columns.strain.as_ref().and_then(|c| c.1);
+    let by_strain_choice = by_choice.is_some();
     let by_name = |h: &Heading| match h.quantity {
         Some(Quantity::Strain(measure)) => Some(measure),
         _ => None,
@@ -212,9 +284,12 @@ fn make_pair(
                 .help("add --unit MPa, kPa, Pa, N/mm2 or psi, or write it into the column's name, as in `stress (MPa)`")
         })?,
     };
+    let is_said = by_strain_choice || options.strain.is_some() || headings[strain].is_pure_number;
     Ok(Pair {
         strain,
         strain_measure,
+        strain_factor: 1.0,
+        may_be_percent: strain_measure == StrainMeasure::Engineering && !is_said,
         stress,
         stress_measure: known.unwrap_or(StressMeasure::Nominal),
         is_supposed_nominal: known.is_none(),

@@ -67,27 +67,30 @@ pub fn split(line: usize, text: &str, separator: u8) -> Result<Row<'_>, CurveErr
             .from_reader(text.as_bytes());
         let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
         record.iter().map(|c| Cow::Owned(c.trim().to_owned())).collect()
+    } else if separator == b' ' {
+        text.split_whitespace().map(Cow::Borrowed).collect()
     } else {
         text.split(char::from(separator)).map(|c| Cow::Borrowed(c.trim())).collect()
     };
     Ok(Row { line, cells })
 }
 
-/// The separator that gives the most lines with at least two numbers: semicolon, tab or comma.
+/// The separator that gives the most lines with at least two numbers: semicolon, tab or comma, or else blanks.
 ///
 /// # Errors
 /// No separator gives any.
 pub fn separator(text: &str) -> Result<u8, CurveError> {
     let mut best = (0, b';');
-    for candidate in [b';', b'\t', b','] {
+    for candidate in [b';', b'\t', b',', b' '] {
         let rows = lines(text).take(LOOK_AHEAD).filter_map(|(n, l)| split(n, l, candidate).ok());
         let count = rows.filter(|row| row.count_numbers() >= 2).count();
-        if count > best.0 {
+        // Blanks stand behind commas and semicolons, too.
+        if count > best.0 && (candidate != b' ' || best.0 == 0) {
             best = (count, candidate);
         }
     }
     if best.0 == 0 {
-        return Err(CurveError::new("no line holds two numbers separated by a comma, a semicolon or a tab")
+        return Err(CurveError::new("no line holds two numbers separated by a comma, a semicolon, a tab or blanks")
             .help("expected a table with a column of stretch or strain and one of stress"));
     }
     Ok(best.1)
@@ -109,7 +112,8 @@ mod tests {
         assert_eq!(separator("a;b\n1,5;2,5\n"), Ok(b';'));
         assert_eq!(separator("a,b\n1.5,2.5\n"), Ok(b','));
         assert_eq!(separator("a\tb\n1,5\t2,5\n"), Ok(b'\t'));
-        assert!(separator("a b\n1.5 2.5\n").is_err());
+        assert_eq!(separator("a b\n1.5   2.5\n"), Ok(b' '));
+        assert!(separator("a b\n1.5\n").is_err());
     }
 
     #[test]

@@ -98,6 +98,46 @@ fn units_below_the_header_decimal_commas_and_old_encodings() {
 }
 
 #[test]
+fn force_and_change_of_length_need_the_specimen() {
+    let text = "\n\nTime (sec), Load (N), Stress (KPa), Strain (mm), Position (mm), Cycle\n0.0, 0.0, N/A, , 0.0, 1\n0.1, 1.2, N/A, , 15.0, 1\n";
+    refused("ut.csv", text, |_| (), Some(3), &["--area", "2 'Load (N)'", "5 'Position (mm)'"]);
+    let reading = parse("ut.csv", text, |o| o.specimen = Some([12.0, 30.0])).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.0, 0.0], [1.5, 0.1]]);
+    assert!(reading.understood[1].contains("gives nominal stress"), "{:?}", reading.understood);
+}
+
+#[test]
+fn compression_with_positive_signs_is_recognised() {
+    let table = "strain (%),stress (kPa)\n0,0\n10,20\n40,90\n";
+    let reading = parse("compression_3.csv", table, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.0, 0.0], [0.9, -0.02], [0.6, -0.09]]);
+    assert!(reading.understood[0].contains("compression with positive signs"), "{:?}", reading.understood);
+    let signed = parse("compression.csv", "strain (%),stress (kPa)\n0,0\n-10,-20\n", |_| ()).unwrap();
+    same(&points(&signed, Mode::Uniaxial), &[[1.0, 0.0], [0.9, -0.02]]);
+    let both = parse("tension_and_compression.csv", "strain (%),stress (kPa)\n0,0\n10,20\n", |_| ()).unwrap();
+    same(&points(&both, Mode::Uniaxial), &[[1.0, 0.0], [1.1, 0.02]]);
+    refused("compression.csv", "stretch,true stress (kPa)\n1.1,20\n", |_| (), None, &["positive signs"]);
+}
+
+#[test]
+fn only_clear_words_name_a_test_and_blanks_separate_columns() {
+    let table = "stretch stress_MPa\n1.5   0.1\n2.0   0.2\n";
+    let mode = |file: &str, text: &str| parse(file, text, |_| ()).map(|reading| reading.curves[0].mode);
+    assert_eq!(mode("ut.csv", table), Ok(Mode::Uniaxial));
+    assert_eq!(mode("ET.csv", table), Ok(Mode::Equibiaxial));
+    assert_eq!(mode("sample_equibiaxial_3.csv", table), Ok(Mode::Equibiaxial));
+    assert_eq!(mode("a.csv", &format!("Test type: PS\n{table}")), Ok(Mode::Planar));
+    // Initials of people and samples are no tests.
+    for (file, head) in [("sample_ET_3.csv", ""), ("a.csv", "Operator: EB\n"), ("a.csv", "Sample PS 12\n")] {
+        assert!(mode(file, &format!("{head}{table}")).unwrap_err().message.contains("which test"), "{file} {head}");
+    }
+    let reading = parse("ut.csv", table, |_| ()).unwrap();
+    same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
+    // What was decided about the test stands first.
+    assert!(reading.understood[0].starts_with("uniaxial (by the file's name)"), "{:?}", reading.understood);
+}
+
+#[test]
 fn tables_without_names_need_them() {
     let text = "1.5 ; 0.1\n2.0 ; 0.2\n";
     refused("ut.csv", text, |_| (), Some(0), &["no column of stress", "--columns"]);
@@ -129,6 +169,13 @@ fn what_is_not_understood_is_refused_with_its_place() {
         &["several columns", "1 'strain', 2 'strain'"],
     );
     refused("ut.csv", "strain,force (N)\n1,2\n", |_| (), Some(1), &["no column of stress"]);
+    refused(
+        "ut.csv",
+        "strain,stress (MPa)\n0,0\n10,0.1\n25,0.2\n",
+        |_| (),
+        Some(4),
+        &["25 %", "2500 %", "--strain percent"],
+    );
     refused("ut.csv", "elongation (mm),stress (MPa)\n1,2\n", |_| (), Some(1), &["no column of stretch or strain"]);
     refused("a.csv", "test,stretch,stress (MPa)\nut,1,0\nshear,1.5,2\n", |_| (), Some(3), &["`shear`", "uniaxial"]);
     refused(

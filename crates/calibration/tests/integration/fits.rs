@@ -197,7 +197,7 @@ fn intervals_cover_the_truth() {
     for (residuals, noise) in [(Residuals::Absolute, 0.004), (Residuals::Relative, 0.03)] {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let mut covered = [0; 3];
-        const DRAWS: usize = 200;
+        const DRAWS: usize = 120;
         for _ in 0..DRAWS {
             // Most points are at large strains, as in the files of machines.
             let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;

@@ -16,9 +16,10 @@ Examples:
   pneuflex fit uniaxial.csv planar.csv biaxial.csv --weight planar=2 --to 2.5
   pneuflex fit treloar.csv --unit MPa --to uniaxial=4 --to 300% --stable
   pneuflex fit machine.csv --columns true-strain=2,true-stress=3 --test ut
+  pneuflex fit load.csv --test ut --area 12 --length 30
   pneuflex fit a.csv b.csv --test a.csv:uniaxial --test b.csv:planar --unit b.csv:psi
 
-Files are tables with a header; cells between commas, semicolons or tabs; several tests in one file are told apart by a column
+Files are tables with a header; cells between commas, semicolons, tabs or blanks; several tests in one file are told apart by a column
 `test` or by the names of the columns (`uniaxial stress (MPa)`). What was understood is printed; what is not understood is refused.
 An option with FILE: before its value holds for that file alone.
 
@@ -57,6 +58,12 @@ pub struct FitArguments {
     /// What the stress column holds: nominal or true
     #[arg(long, value_name = "[FILE:]MEASURE")]
     stress: Vec<String>,
+    /// Undeformed area of the specimen, mm², for files of force and change of length
+    #[arg(long, value_name = "[FILE:]MM2")]
+    area: Vec<String>,
+    /// Undeformed length of the specimen, mm, the same
+    #[arg(long, value_name = "[FILE:]MM")]
+    length: Vec<String>,
     /// Decimal sign: point or comma
     #[arg(long, value_name = "[FILE:]SIGN")]
     decimal: Vec<String>,
@@ -163,6 +170,9 @@ impl FitArguments {
             "comma" | "," => Some(DecimalSign::Comma),
             _ => None,
         };
+        let size = |text: &str| text.parse().ok().filter(|size: &f64| (1e-6..=1e9).contains(size));
+        let area = parsed("area", of("area", &self.area)?, size, "mm2, a number from 1e-6 to 1e9")?;
+        let length = parsed("length", of("length", &self.length)?, size, "mm, a number from 1e-6 to 1e9")?;
         Ok(ReadOptions {
             test: parsed("test", of("test", &self.test)?, Mode::find, "uniaxial, equibiaxial or planar")?,
             columns,
@@ -170,6 +180,11 @@ impl FitArguments {
             strain: parsed("strain", of("strain", &self.strain)?, strain, "stretch, engineering, percent or true")?,
             stress: parsed("stress", of("stress", &self.stress)?, stress, "nominal or true")?,
             decimal: parsed("decimal", of("decimal", &self.decimal)?, decimal, "point or comma")?,
+            specimen: match (area, length) {
+                (Some(area), Some(length)) => Some([area, length]),
+                (None, None) => None,
+                _ => return Err(InputError::new("--area and --length belong together".to_owned())),
+            },
         })
     }
 
