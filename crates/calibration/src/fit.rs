@@ -15,7 +15,8 @@
 use crate::bands::{Band, bands};
 use crate::constrained;
 use crate::curve::Point;
-use crate::law::{Law, Mode};
+use crate::law::{Family, Law, Mode};
+use crate::ogden;
 use crate::regression::{Reduced, Statistics};
 use crate::stability::{StableRange, conditions, margin, stable_range, zero_slope};
 
@@ -119,6 +120,9 @@ pub struct Agreement {
 pub struct LawFit {
     /// The law.
     pub law: Law,
+    /// Exponents of Ogden's law.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exponents: Vec<f64>,
     /// Constants.
     pub constants: Vec<Constant>,
     /// Initial shear modulus, MPa.
@@ -181,7 +185,9 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<LawFit, Fit
         _ => None,
     };
     // A solution on the edge of a condition has no symmetric interval.
-    let statistics = if stable.is_some() { None } else { reduced.statistics() };
+    // Nor have moduli whose exponents were fitted, too.
+    let has_interval = stable.is_none() && law.family() != Family::Ogden;
+    let statistics = if has_interval { reduced.statistics() } else { None };
     let held = options.stable_up_to.filter(|_| stable.is_some());
     let values = stable.unwrap_or(free);
     let fitted = describe(law, &values, statistics, tests, &weights.values, held);
@@ -196,6 +202,27 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<LawFit, Fit
 pub fn free_constants(law: Law, tests: &[Test], residuals: Residuals) -> Result<Vec<f64>, FitError> {
     let reduced = reduce(law, tests, &weights(tests, residuals))?;
     reduced.solve().ok_or(FitError::Undetermined(law.constants().len()))
+}
+
+/// The law of a family: itself, or Ogden's with the exponents that fit best.
+///
+/// # Errors
+/// Points that determine no exponent.
+pub fn law_of_family(family: Family, tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
+    match family {
+        Family::Yeoh => Ok(Law::Yeoh),
+        Family::NeoHookean => Ok(Law::NeoHookean),
+        Family::MooneyRivlin => Ok(Law::MooneyRivlin),
+        Family::Ogden => ogden::find(tests, residuals),
+    }
+}
+
+/// Share of the weighted sum of squares of the stresses that the best constants leave; `None` if there are none or one of them is not
+/// positive.
+pub(crate) fn share_left(law: Law, tests: &[Test], residuals: Residuals) -> Option<f64> {
+    let reduced = reduce(law, tests, &weights(tests, residuals)).ok()?;
+    let share = reduced.rest / (reduced.rest + reduced.right.norm_squared());
+    reduced.solve()?.iter().all(|value| *value > 0.0).then_some(share)
 }
 
 /// Weights of points.
@@ -327,6 +354,7 @@ fn describe(
     let widening = residual_correlation.map(|r| ((1.0 + r.clamp(0.0, 0.999)) / (1.0 - r.clamp(0.0, 0.999))).sqrt());
     LawFit {
         law,
+        exponents: law.exponents(),
         constants: (0..values.len()).map(constant).collect(),
         shear_modulus_mpa: law.shear_modulus(values),
         correlation: statistics.map(|s| s.correlation),

@@ -9,7 +9,7 @@
 //! planar       λ, 1, λ⁻¹           P = 2 (λ − λ⁻³) (W₁ + W₂)
 //! ```
 //!
-//! with Wᵢ = ∂W/∂Iᵢ. All laws here are linear in their constants.
+//! with Wᵢ = ∂W/∂Iᵢ. All laws here are linear in their constants, Ogden's with its exponents given.
 
 use crate::words::words_of;
 
@@ -108,6 +108,18 @@ impl Mode {
         }
     }
 
+    /// Nominal stress of 2/α² (λ₁^α + λ₂^α + λ₃^α − 3): its derivative by the stretch, over the axes that are loaded.
+    pub fn power_stress(self, stretch: f64, alpha: f64) -> f64 {
+        // λ^a − λ^b = 2 λ^((a + b)/2) sinh((a − b)/2 ln λ) keeps its digits near rest.
+        let difference = |a: f64, b: f64| 2.0 * stretch.powf(0.5 * (a + b)) * (0.5 * (a - b) * stretch.ln()).sinh();
+        let across = match self {
+            Self::Uniaxial => -0.5 * alpha,
+            Self::Equibiaxial => -2.0 * alpha,
+            Self::Planar => -alpha,
+        };
+        2.0 / alpha * difference(alpha - 1.0, across - 1.0)
+    }
+
     /// The largest stretch with this I₁ − 3 ≥ 0.
     pub fn stretch_of(self, i1_minus_3: f64) -> f64 {
         // I₁ − 3 grows with λ > 1, and is at least (λ − 1)² there in every test.
@@ -120,21 +132,47 @@ impl Mode {
     }
 }
 
-/// A law that is linear in its constants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// W = Σ Cᵢ₀ (I₁ − 3)ⁱ, i = 1…3 (Yeoh 1993).
-    Yeoh,
-    /// W = C₁₀ (I₁ − 3).
-    NeoHookean,
-    /// W = C₁₀ (I₁ − 3) + C₀₁ (I₂ − 3).
-    MooneyRivlin,
+/// Most terms of Ogden's law.
+pub const MOST_TERMS: usize = 3;
+
+/// Exponents α of Ogden's law, to a thousandth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Exponents {
+    thousandths: [i32; MOST_TERMS],
+    terms: usize,
 }
 
-impl Law {
-    /// All laws.
-    pub const ALL: [Self; 3] = [Self::Yeoh, Self::NeoHookean, Self::MooneyRivlin];
+impl Exponents {
+    /// Of up to [`MOST_TERMS`] terms, none of them 0, in thousandths; further ones are left out.
+    pub fn new(thousandths: &[i32]) -> Self {
+        let terms = thousandths.len().min(MOST_TERMS);
+        let mut all = [0; MOST_TERMS];
+        all[..terms].copy_from_slice(&thousandths[..terms]);
+        Self { thousandths: all, terms }
+    }
+
+    /// The exponents.
+    pub fn values(self) -> Vec<f64> {
+        self.thousandths[..self.terms].iter().map(|a| 1e-3 * f64::from(*a)).collect()
+    }
+}
+
+/// A kind of law, as users choose it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// See [`Law::Yeoh`].
+    Yeoh,
+    /// See [`Law::NeoHookean`].
+    NeoHookean,
+    /// See [`Law::MooneyRivlin`].
+    MooneyRivlin,
+    /// See [`Law::Ogden`]; its exponents are fitted.
+    Ogden,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Yeoh, Self::NeoHookean, Self::MooneyRivlin, Self::Ogden];
 
     /// Name in texts.
     pub const fn name(self) -> &'static str {
@@ -142,12 +180,64 @@ impl Law {
             Self::Yeoh => "Yeoh",
             Self::NeoHookean => "neo-Hookean",
             Self::MooneyRivlin => "Mooney-Rivlin",
+            Self::Ogden => "Ogden",
+        }
+    }
+}
+
+/// A law that is linear in its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// W = Σ Cᵢ₀ (I₁ − 3)ⁱ, i = 1…3 (Yeoh 1993).
+    Yeoh,
+    /// W = C₁₀ (I₁ − 3).
+    NeoHookean,
+    /// W = C₁₀ (I₁ − 3) + C₀₁ (I₂ − 3).
+    MooneyRivlin,
+    /// W = Σ 2 μᵢ/αᵢ² (λ₁^αᵢ + λ₂^αᵢ + λ₃^αᵢ − 3) (Ogden 1972), with these exponents.
+    Ogden(Exponents),
+}
+
+impl serde::Serialize for Law {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(match self {
+            Self::Yeoh => "yeoh",
+            Self::NeoHookean => "neo-hookean",
+            Self::MooneyRivlin => "mooney-rivlin",
+            Self::Ogden(_) => "ogden",
+        })
+    }
+}
+
+impl Law {
+    /// Its kind.
+    pub const fn family(self) -> Family {
+        match self {
+            Self::Yeoh => Family::Yeoh,
+            Self::NeoHookean => Family::NeoHookean,
+            Self::MooneyRivlin => Family::MooneyRivlin,
+            Self::Ogden(_) => Family::Ogden,
         }
     }
 
-    /// Names of the constants; all are in MPa.
-    pub const fn constants(self) -> &'static [&'static str] {
+    /// Its exponents; none of other laws than Ogden's.
+    pub fn exponents(self) -> Vec<f64> {
         match self {
+            Self::Ogden(exponents) => exponents.values(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Name in texts.
+    pub const fn name(self) -> &'static str {
+        self.family().name()
+    }
+
+    /// Names of the constants; all are in MPa.
+    pub fn constants(self) -> &'static [&'static str] {
+        const MODULI: [&str; MOST_TERMS] = ["mu1", "mu2", "mu3"];
+        match self {
+            Self::Ogden(exponents) => &MODULI[..exponents.terms],
             Self::Yeoh => &["C10", "C20", "C30"],
             Self::NeoHookean => &["C10"],
             Self::MooneyRivlin => &["C10", "C01"],
@@ -164,6 +254,7 @@ impl Law {
             }
             Self::NeoHookean => vec![by_w1],
             Self::MooneyRivlin => vec![by_w1, by_w2],
+            Self::Ogden(exponents) => exponents.values().into_iter().map(|a| mode.power_stress(stretch, a)).collect(),
         }
     }
 
@@ -181,13 +272,22 @@ impl Law {
             Self::MooneyRivlin => {
                 pneuflex_model::Law::Polynomial { c10: get(0), c01: get(1), c20: 0.0, c11: 0.0, c02: 0.0 }
             }
+            Self::Ogden(exponents) => pneuflex_model::Law::Ogden {
+                terms: exponents
+                    .values()
+                    .into_iter()
+                    .enumerate()
+                    .map(|(i, alpha)| pneuflex_model::OgdenTerm { mu: get(i), alpha })
+                    .collect(),
+            },
         }
     }
 
-    /// Initial shear modulus μ = 2 (C₁₀ + C₀₁), MPa.
+    /// Initial shear modulus μ = 2 (C₁₀ + C₀₁), or the sum of Ogden's moduli, MPa.
     pub fn shear_modulus(self, constants: &[f64]) -> f64 {
         match self {
             Self::MooneyRivlin => 2.0 * constants.iter().sum::<f64>(),
+            Self::Ogden(_) => constants.iter().sum(),
             _ => 2.0 * constants[0],
         }
     }
@@ -212,6 +312,27 @@ mod tests {
             let i1 = mode.i1_minus_3(3.7);
             assert!((mode.stretch_of(i1) - 3.7).abs() < 1e-12);
             assert_eq!(mode.stretch_of(0.0), 1.0);
+        }
+    }
+
+    #[test]
+    fn ogdens_stress_is_the_derivative_of_its_energy() {
+        for mode in Mode::ALL {
+            let axes = if mode == Mode::Equibiaxial { 2.0 } else { 1.0 };
+            for alpha in [-3.0, 0.7, 2.0, 9.5] {
+                let energy = |l: f64| {
+                    2.0 / (alpha * alpha) * (mode.stretches(l).map(|x| x.powf(alpha)).iter().sum::<f64>() - 3.0)
+                };
+                for stretch in [0.6, 1.0, 1.4, 3.0] {
+                    let h = 1e-5;
+                    let expected = (energy(stretch + h) - energy(stretch - h)) / (2.0 * h * axes);
+                    let found = mode.power_stress(stretch, alpha);
+                    assert!((found - expected).abs() < 1e-7 * found.abs().max(1.0), "{mode:?} {alpha} {stretch}");
+                }
+            }
+            // α = 2 is neo-Hookean, μ = 2 C₁₀.
+            let neo = Law::NeoHookean.stress(&[0.5], mode, 1.7);
+            assert!((Law::Ogden(Exponents::new(&[2000])).stress(&[1.0], mode, 1.7) - neo).abs() < 1e-14);
         }
     }
 

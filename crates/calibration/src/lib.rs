@@ -2,7 +2,7 @@
 //!
 //! * [`curve`]: the text of a test file → curves of nominal stress over stretch.
 //! * [`clean`]: rows at rest, duplicates, cycles, what comes after the break, the range to fit.
-//! * [`law`]: Yeoh, Mooney-Rivlin and neo-Hookean stress in uniaxial, equibiaxial and planar tension, incompressible.
+//! * [`law`]: Yeoh, Mooney-Rivlin, neo-Hookean and Ogden stress in uniaxial, equibiaxial and planar tension, incompressible.
 //! * [`fit`]: weighted linear least squares with its statistics, with or without the condition of stability.
 //! * [`bands`], [`range`]: how well a law meets a curve at every strain, and how much of a curve it can follow.
 //! * [`stability`]: the stretches up to which a law is stable in Drucker's sense.
@@ -17,6 +17,7 @@ pub mod curve;
 pub mod fit;
 pub mod law;
 pub mod library;
+mod ogden;
 pub mod range;
 mod regression;
 pub mod stability;

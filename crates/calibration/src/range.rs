@@ -1,11 +1,14 @@
 //! How much of a curve a law can follow: fits up to the break are ruled by stresses that no actuator sees.
 
 use crate::bands::{TOLERANCE, bands};
-use crate::fit::{FitError, Residuals, Test, free_constants};
-use crate::law::Law;
+use crate::fit::{FitError, Residuals, Test, free_constants, law_of_family};
+use crate::law::{Family, Law};
 
 /// Ranges are tried down to this engineering strain, which most actuators reach.
 const LEAST_STRAIN: f64 = 1.0;
+
+/// Constants of any law.
+const MOST_CONSTANTS: usize = 3;
 
 /// By how much the strain at a range's end falls from one trial to the next.
 const RATIO: f64 = 0.9;
@@ -29,19 +32,23 @@ pub struct Range {
 ///
 /// # Errors
 /// As [`crate::fit::fit`], for all points.
-pub fn longest_range(law: Law, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
-    let of_all = worst(law, &free_constants(law, tests, residuals)?, tests);
+pub fn longest_range(family: Family, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
+    let error = |tests: &[Test]| {
+        let law = law_of_family(family, tests, residuals)?;
+        Ok::<_, FitError>(worst(law, &free_constants(law, tests, residuals)?, tests))
+    };
+    let of_all = error(tests)?;
     let largest = tests.iter().flat_map(|t| t.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
     let mut tried = vec![(f64::INFINITY, of_all[0])];
     let mut strain = RATIO * (largest - 1.0);
     while of_all[0] > TOLERANCE && strain >= LEAST_STRAIN {
         let inside = up_to(tests, 1.0 + strain);
         // A test of which nothing is left has no say any more, and must not lose it.
-        if inside.iter().any(|test| test.points.len() <= law.constants().len()) {
+        if inside.iter().any(|test| test.points.len() <= MOST_CONSTANTS) {
             break;
         }
-        if let Ok(constants) = free_constants(law, &inside, residuals) {
-            tried.push((1.0 + strain, worst(law, &constants, &inside)[0]));
+        if let Ok([error, _]) = error(&inside) {
+            tried.push((1.0 + strain, error));
         }
         strain *= RATIO;
     }

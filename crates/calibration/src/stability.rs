@@ -34,11 +34,16 @@ pub struct StableRange {
     pub high: Option<f64>,
 }
 
-/// Linear forms in the constants that are all positive exactly where the law is stable.
+/// Linear forms in the constants that are all positive exactly where the law is stable; for Ogden's, only if it is.
 pub fn conditions(law: Law, stretches: [f64; 3]) -> Vec<Vec<f64>> {
     let [a, b, c] = stretches.map(|l| l * l);
     match law {
         Law::NeoHookean => vec![vec![1.0]],
+        // Enough for stability, and with one term needed: every term with a positive modulus is stable.
+        Law::Ogden(_) => {
+            let terms = law.constants().len();
+            (0..terms).map(|i| (0..terms).map(|j| f64::from(i == j)).collect()).collect()
+        }
         Law::Yeoh => {
             let x = a + b + c - 3.0;
             let q = x + 3.0 - 9.0 / (a * b + b * c + c * a);
@@ -86,7 +91,7 @@ pub fn stable_range(law: Law, constants: &[f64], mode: Mode) -> Option<StableRan
     Some(StableRange { mode, low: end(SEARCHED[0]), high: end(SEARCHED[1]) })
 }
 
-/// The I₁ − 3 at which the slope of a Yeoh energy vanishes, as the solver itself finds it; `None` if it never does.
+/// The I₁ − 3 at which the slope of the energy vanishes, as the solver itself finds it; `None` if it never does.
 pub fn zero_slope(law: Law, constants: &[f64]) -> Option<f64> {
     law_of(&law.with_constants(constants).into()).limit()
 }

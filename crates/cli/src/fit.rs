@@ -9,11 +9,14 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use pneuflex::calibration::bands::TOLERANCE;
 use pneuflex::calibration::clean::{Cleaned, clean};
 use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
-use pneuflex::calibration::fit::{FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3};
-use pneuflex::calibration::law::Law;
-use pneuflex::calibration::range::longest_range;
+use pneuflex::calibration::fit::{
+    FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family,
+};
+use pneuflex::calibration::law::Family;
+use pneuflex::calibration::range::{Range, longest_range};
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
@@ -27,6 +30,9 @@ use pneuflex::{InputError, OutputFolder, input_file, json};
 use crate::error::CliError;
 use crate::outcome::Outcome;
 use crate::terminal::say;
+
+/// A law that follows a curve to this many times the strain is worth a word.
+const WORTH_ANOTHER_LAW: f64 = 1.2;
 
 /// A test that is ready to be fitted.
 pub struct Prepared {
@@ -83,9 +89,13 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         }
         files.push(FileNote { file: name, understood: reading.understood });
     }
-    if !arguments.gives_end() {
+    let better = if arguments.gives_end() {
+        None
+    } else {
+        let better = better_law(&tests, chosen(arguments), arguments.residuals());
         shorten(&mut tests, chosen(arguments), arguments.residuals());
-    }
+        better
+    };
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
     let (fits, not_fitted) = fit_all(&fitted, &arguments.fit_options(largest)?);
@@ -119,7 +129,8 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         // One of an earlier fit would look like this one's.
         None => folder.remove("material.toml")?,
     }
-    print(arguments, &files, &tests, &fits, &not_fitted, largest, snippet.as_deref());
+    let said = (better.as_deref(), snippet.as_deref());
+    print(arguments, &files, &tests, &fits, &not_fitted, largest, said);
     match snippet {
         Some(_) => {
             if !arguments.quiet {
@@ -138,11 +149,39 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     }
 }
 
+/// A law that follows the curves further, or more closely, than the chosen one, in a sentence.
+fn better_law(tests: &[Prepared], chosen: Family, residuals: Residuals) -> Option<String> {
+    let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
+    let largest = all.iter().flat_map(|t| t.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
+    let range = |family| longest_range(family, &all, residuals).ok();
+    let end = |range: Range| range.to.min(largest);
+    let own = range(chosen)?;
+    let others = Family::ALL.into_iter().filter(|family| *family != chosen);
+    let (family, other) = others
+        .filter_map(|family| Some((family, range(family)?)))
+        .filter(|(_, other)| other.error <= own.error.max(TOLERANCE))
+        .max_by(|a, b| end(a.1).total_cmp(&end(b.1)))?;
+    let is_closer = own.error > TOLERANCE && other.error <= TOLERANCE;
+    let is_longer = end(other) - 1.0 > WORTH_ANOTHER_LAW * (end(own) - 1.0);
+    (is_closer || is_longer).then(|| {
+        format!(
+            "{} follows these points to stretch {:.2} within {:.0} % (--law {}), {} to {:.2} within {:.0} %",
+            family.name(),
+            end(other),
+            (100.0 * other.error).ceil(),
+            family.name().to_lowercase().replace("hookean", "hooke"),
+            chosen.name(),
+            end(own),
+            (100.0 * own.error).ceil(),
+        )
+    })
+}
+
 /// Leaves out what the law cannot follow together with the strains that actuators see.
-fn shorten(tests: &mut [Prepared], law: Law, residuals: Residuals) {
+fn shorten(tests: &mut [Prepared], family: Family, residuals: Residuals) {
     let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     // What cannot be fitted is said later.
-    let Ok(range) = longest_range(law, &all, residuals) else { return };
+    let Ok(range) = longest_range(family, &all, residuals) else { return };
     if range.to.is_infinite() {
         return;
     }
@@ -156,7 +195,7 @@ fn shorten(tests: &mut [Prepared], law: Law, residuals: Residuals) {
                  them, too",
                 outside.len(),
                 range.to,
-                law.name(),
+                family.name(),
                 100.0 * error,
             ));
         }
@@ -185,22 +224,22 @@ fn place(name: &str, text: &str, error: &CurveError) -> CliError {
 
 /// A law that has no constants, and why.
 struct NotFitted {
-    law: Law,
+    family: Family,
     why: FitError,
 }
 
 impl fmt::Display for NotFitted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.law.name(), self.why)
+        write!(f, "{}: {}", self.family.name(), self.why)
     }
 }
 
 /// Reason and advice where a law has no constants that a case file could use.
-fn why_no_constants(law: Law, fits: &[LawFit], not_fitted: &[NotFitted]) -> (String, &'static str) {
-    if let Some(failure) = not_fitted.iter().find(|f| f.law == law) {
+fn why_no_constants(family: Family, fits: &[LawFit], not_fitted: &[NotFitted]) -> (String, &'static str) {
+    if let Some(failure) = not_fitted.iter().find(|f| f.family == family) {
         let help = match failure.why {
-            FitError::Undetermined(_) if law != Law::NeoHookean => {
-                "give more points at different stretches, or choose the law with one constant, --law neo-hookean"
+            FitError::Undetermined(_) if family != Family::NeoHookean => {
+                "give more points at different stretches, or choose the law with one constant, --law neo-hooke"
             }
             FitError::Undetermined(_) => "give points at stretches other than 1",
             FitError::NotFinite => "give a narrower range with --from and --to",
@@ -208,54 +247,58 @@ fn why_no_constants(law: Law, fits: &[LawFit], not_fitted: &[NotFitted]) -> (Str
         };
         return (failure.to_string(), help);
     }
-    let value =
-        |i: usize| fits.iter().find(|f| f.law == law).and_then(|f| f.constants.get(i)).map_or(f64::NAN, |c| c.value);
-    let (key, half_shear_modulus) = match law {
-        Law::MooneyRivlin => ("c10 + c01", value(0) + value(1)),
-        Law::Yeoh | Law::NeoHookean => ("c10", value(0)),
+    let value = |i: usize| {
+        fits.iter().find(|f| f.law.family() == family).and_then(|f| f.constants.get(i)).map_or(f64::NAN, |c| c.value)
     };
-    let reason = format!("{}: its {key} = {} MPa is not greater than 0", law.name(), significant(half_shear_modulus));
+    let (key, modulus) = match family {
+        Family::MooneyRivlin => ("c10 + c01", value(0) + value(1)),
+        Family::Yeoh | Family::NeoHookean => ("c10", value(0)),
+        Family::Ogden => ("mu", value(0)),
+    };
+    let reason = format!("{}: its {key} = {} MPa is not greater than 0", family.name(), significant(modulus));
     (reason, "fit another range with --from and --to, or add --stable")
 }
 
 /// All laws that the points determine, and why the others are missing.
 fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<NotFitted>) {
     let (mut fits, mut failures) = (Vec::new(), Vec::new());
-    for law in Law::ALL {
-        match fit_law(law, tests, options) {
+    for family in Family::ALL {
+        let law = law_of_family(family, tests, options.residuals);
+        match law.and_then(|law| fit_law(law, tests, options)) {
             Ok(fit) => fits.push(fit),
-            Err(why) => failures.push(NotFitted { law, why }),
+            Err(why) => failures.push(NotFitted { family, why }),
         }
     }
     (fits, failures)
 }
 
-fn chosen(arguments: &FitArguments) -> Law {
+fn chosen(arguments: &FitArguments) -> Family {
     match arguments.law {
-        LawArgument::Yeoh => Law::Yeoh,
-        LawArgument::NeoHookean => Law::NeoHookean,
-        LawArgument::MooneyRivlin => Law::MooneyRivlin,
+        LawArgument::Yeoh => Family::Yeoh,
+        LawArgument::NeoHooke => Family::NeoHookean,
+        LawArgument::MooneyRivlin => Family::MooneyRivlin,
+        LawArgument::Ogden => Family::Ogden,
     }
 }
 
 /// The chosen law as a case file has it; `None` if the solver would refuse it.
 fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<Material>, InputError> {
-    let law = chosen(arguments);
+    let family = chosen(arguments);
     let of_fit = |fit: &LawFit| {
         let constants: Vec<f64> = fit.constants.iter().map(|constant| constant.value).collect();
-        Material::from(law.with_constants(&constants))
+        Material::from(fit.law.with_constants(&constants))
     };
-    let found = fits.iter().find(|f| f.law == law).map(of_fit).filter(|m| m.problems("material").is_empty());
+    let found =
+        fits.iter().find(|f| f.law.family() == family).map(of_fit).filter(|m| m.problems("material").is_empty());
     // The options are checked whether or not there is something to use them for.
     let bulk_modulus = arguments.bulk_modulus(found.as_ref().map_or(1.0, Material::shear_modulus))?;
     Ok(found.map(|material| Material { bulk_modulus, ..material }))
 }
 
 fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], tests: &[Prepared]) -> String {
-    let law = chosen(arguments);
     let mut comments = Vec::new();
-    for fit in fits.iter().filter(|f| f.law == law) {
-        comments.push(format!("{} fitted by pneuflex {} to", law.name(), env!("CARGO_PKG_VERSION")));
+    for fit in fits.iter().filter(|f| f.law.family() == chosen(arguments)) {
+        comments.push(format!("{} fitted by pneuflex {} to", fit.law.name(), env!("CARGO_PKG_VERSION")));
         for (test, bands) in tests.iter().zip(&fit.bands) {
             let [low, high] = test.stretch_range();
             let error = report::largest_error(bands).map_or(String::new(), |[error, at]| {
@@ -284,16 +327,19 @@ fn print(
     fits: &[LawFit],
     not_fitted: &[NotFitted],
     largest: f64,
-    snippet: Option<&str>,
+    (better, snippet): (Option<&str>, Option<&str>),
 ) {
     let mut text = String::new();
     if !arguments.quiet {
         text += &report::reading(files, tests);
         for fit in fits {
-            text += &report::law(fit, largest, fit.law == chosen(arguments));
+            text += &report::law(fit, largest, fit.law.family() == chosen(arguments));
         }
         for failure in not_fitted {
             text += &format!("\nnot fitted: {failure}\n");
+        }
+        if let Some(better) = better {
+            text += &format!("\nhint: {better}\n");
         }
         text += "\n95 %: confidence intervals of linear regression, for independent residuals; scatter between specimens and \
                  batches is not part of them.\n\n";

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use pneuflex_calibration::clean::{Cleaning, clean};
 use pneuflex_calibration::curve::{Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit, read};
-use pneuflex_calibration::fit::{FitError, FitOptions, LawFit, Residuals, Test, fit, largest_i1_minus_3};
-use pneuflex_calibration::law::{Law, Mode};
+use pneuflex_calibration::fit::{
+    FitError, FitOptions, LawFit, Residuals, Test, fit, largest_i1_minus_3, law_of_family,
+};
+use pneuflex_calibration::law::{Exponents, Family, Law, Mode};
 use pneuflex_calibration::library::ENTRIES;
 use pneuflex_calibration::range::{longest_range, up_to};
 use pneuflex_calibration::stability::conditions;
@@ -165,7 +167,7 @@ fn the_default_follows_silicones_from_small_strains_on() {
     {
         let tests = tests_of(&format!("{file}.csv"), f64::INFINITY);
         let options = FitOptions::default();
-        let range = longest_range(Law::Yeoh, &tests, options.residuals).unwrap();
+        let range = longest_range(Family::Yeoh, &tests, options.residuals).unwrap();
         let inside = up_to(&tests, range.to);
         let found = fit(Law::Yeoh, &inside, &options).unwrap();
         assert!(range.error <= 0.1 && range.to > 3.0, "{file}: {range:?}");
@@ -186,7 +188,7 @@ fn the_default_follows_silicones_from_small_strains_on() {
     assert_eq!(shortened, 7);
     // A law that cannot follow three tests at once says so.
     let rubber = tests_of("treloar_1944.csv", f64::INFINITY);
-    let range = longest_range(Law::Yeoh, &rubber, Residuals::Relative).unwrap();
+    let range = longest_range(Family::Yeoh, &rubber, Residuals::Relative).unwrap();
     assert!(range.error > 0.1 && range.to > 2.0, "{range:?}");
 }
 
@@ -225,6 +227,29 @@ fn intervals_cover_the_truth() {
             covered.iter().all(|&n| (0.9..=0.99).contains(&(n as f64 / DRAWS as f64))),
             "{residuals:?}: {covered:?}"
         );
+    }
+}
+
+/// A law of two terms is found again; on silicones and rubber Ogden's law follows as closely as Yeoh's, and is always stable.
+#[test]
+fn ogdens_exponents_are_found() {
+    let truth = Law::Ogden(Exponents::new(&[1600, 6300]));
+    let moduli = [0.12, 0.004];
+    let tests = [synthetic(Mode::Uniaxial, |l| truth.stress(&moduli, Mode::Uniaxial, l))];
+    let found = law_of_family(Family::Ogden, &tests, Residuals::Relative).unwrap();
+    let fitted = fit(found, &tests, &FitOptions::default()).unwrap();
+    assert_eq!(fitted.exponents.len(), 2, "{fitted:?}");
+    assert!(fitted.total.relative_rms < 2e-3 && fitted.is_stable_in_range, "{fitted:?}");
+    assert!((fitted.shear_modulus_mpa / 0.124 - 1.0).abs() < 0.01, "{fitted:?}");
+    for file in ["dragon_skin_10_medium.csv", "ecoflex_00-30.csv", "treloar_1944.csv"] {
+        let tests = tests_of(file, f64::INFINITY);
+        let of = |family| longest_range(family, &tests, Residuals::Relative).unwrap();
+        let (ogden, yeoh) = (of(Family::Ogden), of(Family::Yeoh));
+        println!("{file}: {ogden:?} {yeoh:?}");
+        assert!(ogden.to > 2.0 && ogden.error < yeoh.error.max(0.1), "{file}: {ogden:?} {yeoh:?}");
+        let inside = up_to(&tests, ogden.to);
+        let law = law_of_family(Family::Ogden, &inside, Residuals::Relative).unwrap();
+        assert!(fit(law, &inside, &FitOptions::default()).unwrap().is_stable_in_range, "{file}");
     }
 }
 

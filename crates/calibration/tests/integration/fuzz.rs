@@ -39,7 +39,7 @@ fn process(bytes: &[u8]) {
         }
         let options =
             FitOptions { stable_up_to: Some(largest_i1_minus_3(&tests).clamp(1e-3, 1e4)), ..FitOptions::default() };
-        for law in Law::ALL {
+        for law in [Law::Yeoh, Law::NeoHookean, Law::MooneyRivlin] {
             if let Ok(found) = fit(law, &tests, &options) {
                 assert!(found.values().iter().all(|c| c.is_finite()) && found.total.rms_mpa.is_finite());
             }

@@ -139,9 +139,12 @@ pub enum LawArgument {
     /// Three constants.
     Yeoh,
     /// C10 alone.
-    NeoHookean,
+    #[value(alias = "neo-hookean")]
+    NeoHooke,
     /// C10 and C01.
     MooneyRivlin,
+    /// One to three moduli and exponents.
+    Ogden,
 }
 
 impl FitArguments {

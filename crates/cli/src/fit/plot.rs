@@ -68,6 +68,7 @@ fn chart(tests: &[Prepared], fits: &[LawFit], mode: Mode, largest_i1_minus_3: f6
             Law::Yeoh => (Style::Solid, PALETTE[0]),
             Law::NeoHookean => (Style::Dotted, PALETTE[1]),
             Law::MooneyRivlin => (Style::Dashed, PALETTE[3]),
+            Law::Ogden(_) => (Style::Solid, PALETTE[2]),
         };
         series.push(Series::line(fit.law.name(), curve(fit, mode, low, high, bounds)).style(style).colour(colour));
     }

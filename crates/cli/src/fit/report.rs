@@ -161,6 +161,14 @@ pub fn law(fit: &LawFit, largest_i1_minus_3: f64, chosen: bool) -> String {
             .map_or(String::new(), |[low, high]| format!("   95 %: {} to {}", significant(low), significant(high)));
         let _ = writeln!(text, "  {} = {} MPa{interval}", constant.name, significant(constant.value));
     }
+    if !fit.exponents.is_empty() {
+        let all: Vec<String> = fit.exponents.iter().map(|alpha| format!("{alpha:.3}")).collect();
+        let _ = writeln!(
+            text,
+            "  exponents alpha {}; fitted, too, so the moduli have no intervals of their own",
+            all.join(", ")
+        );
+    }
     let _ = writeln!(text, "  initial shear modulus {} MPa", significant(fit.shear_modulus_mpa));
     let width = fit.tests.iter().map(|t| t.test.chars().count()).max().unwrap_or(0).max(fit.total.test.len());
     let shows_total = fit.tests.len() > 1;

@@ -1,16 +1,22 @@
 //! The `[material]` table of a case file.
 
-use pneuflex::model::Law;
+use pneuflex::model::{Law, OgdenTerm};
 
 /// Bulk modulus over initial shear modulus unless the user says otherwise: Poisson's ratio 0.4995. Silicones are stiffer in
 /// volume by far, but soft actuators do not notice, and the solver's penalty needs no more.
 pub const BULK_RATIO: f64 = 1000.0;
 
-/// The table of a law whose constants are single numbers, with its comments.
+/// The table of a law, with its comments.
 pub fn material(comments: &[String], law: &Law, bulk_modulus: f64, bulk_comment: &str) -> String {
     let comments: String = comments.iter().map(|c| format!("# {}\n", c.replace(['\n', '\r'], " "))).collect();
-    let constants: String =
+    let mut constants: String =
         law.constants().iter().map(|(key, value)| format!("{key} = {:?}\n", rounded(*value))).collect();
+    if let Law::Ogden { terms } = law {
+        let list = |value: fn(&OgdenTerm) -> f64| {
+            terms.iter().map(|term| format!("{:?}", rounded(value(term)))).collect::<Vec<_>>().join(", ")
+        };
+        constants += &format!("mu = [{}]\nalpha = [{}]\n", list(|term| term.mu), list(|term| term.alpha));
+    }
     let (name, bulk_modulus) = (law.name(), rounded(bulk_modulus));
     format!(
         "{comments}[material]\nlaw = \"{name}\"\n{constants}\
