@@ -201,6 +201,20 @@ fn what_cannot_be_used_is_refused_with_one_message() {
 }
 
 #[test]
+fn all_sets_of_a_product_are_drawn_together() {
+    let scratch = Scratch::new("compare");
+    let ended = scratch.run(&["materials", "ecoflex-00-30", "--compare"]);
+    assert_eq!(ended.code, 0, "{ended:?}");
+    for words in ["ecoflex-00-30:3", "100 %", "out/ecoflex-00-30-materials"] {
+        assert!(ended.out.contains(words), "{words}: {}", ended.out);
+    }
+    let svg = fs::read_to_string(scratch.path("out/ecoflex-00-30-materials/compare.svg")).unwrap();
+    assert!(svg.contains("ecoflex-00-30:2") && svg.contains("nominal stress, uniaxial (MPa)"), "{svg}");
+    let alone = scratch.run(&["materials", "--compare"]);
+    assert_eq!(alone.code, 2, "{alone:?}");
+}
+
+#[test]
 fn known_materials_are_listed_and_printed() {
     let scratch = Scratch::new("materials");
     let list = scratch.run(&["materials"]);
