@@ -69,7 +69,9 @@ fn compare(index: usize, out: Option<&Path>) -> Result<String, CliError> {
     let sets: Vec<usize> = (0..ENTRIES.len()).filter(|&i| ENTRIES[i].name == name).collect();
     let stress = |set: usize, stretch: f64| Law::Yeoh.stress(&ENTRIES[set].constants, Mode::Uniaxial, stretch);
     let curve = |set: usize| {
-        let stretch = |i: usize| 1.0 + (LARGEST_STRETCH - 1.0) * i as f64 / SAMPLES as f64;
+        // Beyond its points a fit says nothing; those of a source that names no range are drawn all the way.
+        let end = ENTRIES[set].fit.map_or(LARGEST_STRETCH, |fit| fit.to.min(LARGEST_STRETCH));
+        let stretch = |i: usize| 1.0 + (end - 1.0) * i as f64 / SAMPLES as f64;
         (0..=SAMPLES).map(stretch).map(|stretch| [stretch, stress(set, stretch)]).collect()
     };
     let styles = [Style::Solid, Style::Dashed, Style::Dotted];
@@ -92,7 +94,9 @@ fn compare(index: usize, out: Option<&Path>) -> Result<String, CliError> {
     let width = sets.iter().map(|&set| identifier(set).len()).max().unwrap_or(0);
     let mut text = format!("{:width$}  nominal stress, MPa, at 30 %   100 %   200 %  range and source\n", "");
     for &set in &sets {
-        let [low, middle, high] = [1.3, 2.0, 3.0].map(|stretch| significant(stress(set, stretch)));
+        let is_fitted = |stretch: f64| ENTRIES[set].fit.is_none_or(|fit| stretch <= fit.to);
+        let [low, middle, high] = [1.3, 2.0, 3.0]
+            .map(|stretch| if is_fitted(stretch) { significant(stress(set, stretch)) } else { "-".to_owned() });
         let (range, source) = (ENTRIES[set].range, in_short(&ENTRIES[set]));
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{:width$}  {low:>30} {middle:>7} {high:>7}  {range}; {source}", identifier(set));
