@@ -33,6 +33,18 @@ pub struct OwnFit {
     pub arguments: &'static str,
 }
 
+impl OwnFit {
+    /// Largest stretch of the points that were fitted, where the curve goes on to it.
+    pub fn largest_stretch(&self) -> Option<f64> {
+        match self.curve {
+            // All points of these were fitted.
+            "rtv615.csv" => Some(self.to.min(2.93)),
+            "meunier_2008.csv" => Some(2.17),
+            _ => Some(self.to),
+        }
+    }
+}
+
 const MARECHAL: &str = "own fit to the curve of Marechal et al. 2020, Soft Robotics, doi 10.1089/soro.2019.0115 (database under \
                         ODbL 1.0): ASTM D412, one pull to failure at 450 mm/min, strain from the crosshead";
 const MEUNIER: &str = "own fit to the curves of Meunier et al. 2008 (unfilled silicone; uniaxial, equibiaxial and planar), as \

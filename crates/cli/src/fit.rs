@@ -99,7 +99,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
     let (fits, not_fitted) = fit_all(&fitted, &arguments.fit_options(largest)?);
-    let material = material(arguments, &fits)?;
+    let material = material(arguments, &fits)?.map(|found| Material { fitted_to: largest_stretch(&fitted), ..found });
     let snippet = material.as_ref().map(|m| snippet_of(arguments, m, &fits, &tests));
 
     let stem = arguments.files[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -259,6 +259,14 @@ fn why_no_constants(family: Family, fits: &[LawFit], not_fitted: &[NotFitted]) -
     (reason, "fit another range with --from and --to, or add --stable")
 }
 
+/// To three digits, in no test more than was fitted; `None` for compression alone.
+fn largest_stretch(tests: &[Test]) -> Option<f64> {
+    let of_test = |test: &Test| test.points.iter().map(|p| p.stretch).fold(1.0, f64::max);
+    let largest = tests.iter().map(of_test).fold(1.0, f64::max);
+    let rounded = (1e3 * largest).floor() / 1e3;
+    (rounded > 1.0).then_some(rounded)
+}
+
 /// All laws that the points determine, and why the others are missing.
 fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<NotFitted>) {
     let (mut fits, mut failures) = (Vec::new(), Vec::new());
@@ -317,7 +325,7 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
     let ratio = material.bulk_modulus / material.shear_modulus();
     let words = material.law.shear_modulus_in_words();
     let bulk = format!("{ratio:.0} times the initial shear modulus {words}; no result of these tests");
-    snippet::material(&comments, &material.law, material.bulk_modulus, &bulk)
+    snippet::material(&comments, material, &bulk)
 }
 
 fn print(

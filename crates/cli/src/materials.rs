@@ -153,10 +153,13 @@ fn table(index: usize) -> String {
     }
     comments.push(WARNING.into());
     let [c10, c20, c30] = entry.constants;
-    let law = model::Law::Yeoh { c10, c20, c30 };
+    let material = model::Material::yeoh(c10, c20, c30);
     let (bulk, comment) = match entry.bulk_modulus {
         Some(bulk) => (bulk, "as in the source".to_owned()),
-        None => (snippet::BULK_RATIO * law.shear_modulus(), "1000 times the initial shear modulus 2 c10".to_owned()),
+        None => {
+            (snippet::BULK_RATIO * material.shear_modulus(), "1000 times the initial shear modulus 2 c10".to_owned())
+        }
     };
-    snippet::material(&comments, &law, bulk, &comment)
+    let fitted_to = entry.fit.and_then(|fit| fit.largest_stretch());
+    snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)
 }

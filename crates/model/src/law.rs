@@ -271,6 +271,8 @@ pub(crate) struct Table {
     pub(crate) invariant: Option<Invariant>,
     pub(crate) volumetric: Volumetric,
     pub(crate) density: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fitted_to: Option<f64>,
 }
 
 /// A constant of another law, or one that is missing.

@@ -20,6 +20,8 @@ pub struct Material {
     pub invariant: Invariant,
     /// Density, g/cm³ (10⁻⁹ t/mm³); 0 is a weightless body.
     pub density: f64,
+    /// Largest stretch of the tests that the constants were fitted to, if that is known.
+    pub fitted_to: Option<f64>,
 }
 
 impl Default for Material {
@@ -34,7 +36,7 @@ impl From<Law> for Material {
     fn from(law: Law) -> Self {
         let bulk_modulus = default_bulk_modulus(law.shear_modulus());
         let (volumetric, invariant) = (Volumetric::Quadratic, Invariant::Isochoric);
-        Self { law, bulk_modulus, volumetric, invariant, density: 0.0 }
+        Self { law, bulk_modulus, volumetric, invariant, density: 0.0, fitted_to: None }
     }
 }
 
@@ -48,6 +50,7 @@ impl TryFrom<Table> for Material {
             volumetric: table.volumetric,
             invariant: table.invariant.unwrap_or(default.invariant),
             density: table.density,
+            fitted_to: table.fitted_to,
             ..default
         })
     }
@@ -55,10 +58,10 @@ impl TryFrom<Table> for Material {
 
 impl From<Material> for Table {
     fn from(material: Material) -> Self {
-        let Material { law, bulk_modulus, volumetric, invariant, density } = material;
+        let Material { law, bulk_modulus, volumetric, invariant, density, fitted_to } = material;
         let mut table = Self::of_law(&law);
         (table.bulk_modulus, table.invariant) = (Some(bulk_modulus), Some(invariant));
-        (table.volumetric, table.density) = (volumetric, density);
+        (table.volumetric, table.density, table.fitted_to) = (volumetric, density, fitted_to);
         table
     }
 }
@@ -96,6 +99,12 @@ impl Material {
                 &self.density,
                 &format!("must be a finite number, 0 or greater, g/cm3, up to {most:e}"),
             );
+        }
+        // No rubber is stretched further than to some ten times its length.
+        if let Some(stretch) = self.fitted_to
+            && !(1.0 < stretch && stretch <= 100.0)
+        {
+            found.add(&key("fitted_to"), &stretch, "must be a stretch greater than 1, up to 100");
         }
         found.0
     }

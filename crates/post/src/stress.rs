@@ -47,6 +47,8 @@ pub struct StressPoint {
     pub invariant_minus_3: f64,
     /// Whether more strain takes more stress there (Drucker's condition).
     pub is_stable: bool,
+    /// Largest principal stretch, where the material says to which stretch its constants were fitted; else 1.
+    pub stretch: f64,
 }
 
 /// Stresses of a whole body in one state.
@@ -145,6 +147,10 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
                 von_mises,
                 invariant_minus_3,
                 is_stable,
+                stretch: match material.fitted_to {
+                    Some(_) => state.kinematics.principal_stretches().into_iter().fold(1.0, f64::max),
+                    None => 1.0,
+                },
             });
         }
     }
@@ -269,6 +275,18 @@ impl StressField {
         let per_element = self.points_per_element.max(1);
         let unstable = self.points.iter().enumerate().filter(|(_, point)| !point.is_stable);
         unstable.map(|(number, point)| (number / per_element, point)).collect()
+    }
+
+    /// Integration points that are stretched further than the tests which their constants were fitted to: point and the largest stretch
+    /// of those tests.
+    pub fn beyond_fit<'a>(&'a self, problem: &Problem) -> Vec<(&'a StressPoint, f64)> {
+        let (materials, material_of) = problem.materials();
+        let per_element = self.points_per_element.max(1);
+        let fitted_to = |number: usize| materials[usize::from(material_of[number / per_element])].fitted_to;
+        let points = self.points.iter().enumerate();
+        points
+            .filter_map(|(number, point)| fitted_to(number).filter(|end| point.stretch > *end).map(|end| (point, end)))
+            .collect()
     }
 
     /// Largest I₁ − 3 (or Ī₁ − 3) at an integration point; 0 for a body without elements.
@@ -506,6 +524,7 @@ mod tests {
             von_mises,
             invariant_minus_3: 0.0,
             is_stable: true,
+            stretch: 1.0,
         };
         let field = StressField {
             points: vec![point(5.0, 1.0), point(1.0, 98.0), point(9.0, 1.0)],

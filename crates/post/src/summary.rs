@@ -321,13 +321,35 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_limit(problem);
     let worst = stress::first_largest(beyond.iter(), |(_, point, _)| point.invariant_minus_3);
-    let Some((_, worst, limit)) = worst else { return instability_warning(stress) };
+    let Some((_, worst, limit)) = worst else {
+        return instability_warning(stress).or_else(|| fit_warning(problem, stress));
+    };
     let [x, y, z] = worst.position;
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: the invariant exceeds 3 \
          by more than {limit:.2}, where these constants have no stiffness left",
         beyond.len()
     ))
+}
+
+/// Share of the volume that may be stretched further than the constants were fitted: at re-entrant edges some always is.
+const BEYOND_FIT: f64 = 1e-3;
+
+/// Within what the law can bear, but beyond what was measured.
+fn fit_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
+    let beyond = stress.beyond_fit(problem);
+    let (worst, end) = stress::first_largest(beyond.iter(), |(point, _)| point.stretch)?;
+    let share = beyond.iter().map(|(point, _)| point.volume).sum::<f64>()
+        / stress.points.iter().map(|point| point.volume).sum::<f64>();
+    let [x, y, z] = worst.position;
+    (share > BEYOND_FIT).then(|| {
+        format!(
+            "{:.1} % of the body are stretched further than the tests that the constants were fitted to ({end}), most at \
+             ({x:.2}, {y:.2}, {z:.2}) mm: to {:.2}",
+            100.0 * share,
+            worst.stretch
+        )
+    })
 }
 
 /// Below a limit of the invariant, or for laws without one.
@@ -359,7 +381,7 @@ impl Described {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
-    use pneuflex_model::Shape;
+    use pneuflex_model::{Material, Shape};
 
     #[test]
     fn a_state_at_rest_is_described() {
@@ -460,6 +482,19 @@ mod tests {
         };
         let summary = describe(&problem, &BTreeMap::new(), &state).unwrap().summary;
         assert!((summary.max_invariant_minus_3 - (62.0 + 1.0 / 64.0)).abs() < 1e-9);
+        let fitted = Material { fitted_to: Some(4.0), ..Material::yeoh(0.27, 0.03, 0.0) };
+        let measured = |stretch: f64| {
+            let problem = Problem { material: fitted.clone(), ..problem.clone() };
+            let u = displacement_of(&problem, |x| [(stretch - 1.0) * x[0], 0.0, (1.0 / stretch - 1.0) * x[2]]);
+            describe(&problem, &BTreeMap::new(), &State { displacement: &u, reaction: &u, ..state })
+                .unwrap()
+                .summary
+                .warning
+        };
+        assert_eq!(measured(3.99), None);
+        assert!(
+            measured(4.01).is_some_and(|text| text.contains("100.0 % of the body") && text.contains("fitted to (4)"))
+        );
         let warning = summary.warning.unwrap();
         assert!(warning.contains("2904 integration points") && warning.contains("54.83"), "{warning}");
     }

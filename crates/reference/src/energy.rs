@@ -13,7 +13,7 @@ use crate::tensor_function::{exponential, logarithm, product, trace};
 /// [`Unmodelled::FullInvariant`].
 pub fn check(name: &str, material: &Material) -> Result<(), ReferenceError> {
     // Weights are loads.
-    let Material { law, bulk_modulus: _, volumetric: _, invariant, density: _ } = material;
+    let Material { law, bulk_modulus: _, volumetric: _, invariant, density: _, fitted_to: _ } = material;
     match (law, invariant) {
         (Law::Yeoh { .. } | Law::NeoHooke { .. }, _) | (_, Invariant::Isochoric) => Ok(()),
         (Law::Polynomial { .. } | Law::Ogden { .. }, Invariant::Full) => {

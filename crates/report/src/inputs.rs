@@ -81,6 +81,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("material.invariant", "first invariant in the energy", ""),
     ("material.volumetric", "energy of a change of volume", ""),
     ("material.density", "density", "g/cm³"),
+    ("material.fitted_to", "largest stretch of the tests behind the constants", ""),
     ("region.name", "name", ""),
     ("region.elements", "element set", ""),
     ("region.box", "two corners of a box around the elements' centres", "mm"),

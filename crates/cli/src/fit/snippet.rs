@@ -1,13 +1,14 @@
 //! The `[material]` table of a case file.
 
-use pneuflex::model::{Law, OgdenTerm};
+use pneuflex::model::{Law, Material, OgdenTerm};
 
 /// Bulk modulus over initial shear modulus unless the user says otherwise: Poisson's ratio 0.4995. Silicones are stiffer in
 /// volume by far, but soft actuators do not notice, and the solver's penalty needs no more.
 pub const BULK_RATIO: f64 = 1000.0;
 
 /// The table of a law, with its comments.
-pub fn material(comments: &[String], law: &Law, bulk_modulus: f64, bulk_comment: &str) -> String {
+pub fn material(comments: &[String], material: &Material, bulk_comment: &str) -> String {
+    let law = &material.law;
     let comments: String = comments.iter().map(|c| format!("# {}\n", c.replace(['\n', '\r'], " "))).collect();
     let mut constants: String =
         law.constants().iter().map(|(key, value)| format!("{key} = {:?}\n", rounded(*value))).collect();
@@ -17,10 +18,16 @@ pub fn material(comments: &[String], law: &Law, bulk_modulus: f64, bulk_comment:
         };
         constants += &format!("mu = [{}]\nalpha = [{}]\n", list(|term| term.mu), list(|term| term.alpha));
     }
-    let (name, bulk_modulus) = (law.name(), rounded(bulk_modulus));
+    let (name, bulk_modulus) = (law.name(), rounded(material.bulk_modulus));
+    let range = match material.fitted_to {
+        Some(stretch) => {
+            format!("fitted_to = {stretch:.3}  # largest stretch of the tests; a run that goes further warns\n")
+        }
+        None => String::new(),
+    };
     format!(
         "{comments}[material]\nlaw = \"{name}\"\n{constants}\
-         bulk_modulus = {bulk_modulus:?}  # {bulk_comment}\ninvariant = \"isochoric\"\n"
+         bulk_modulus = {bulk_modulus:?}  # {bulk_comment}\ninvariant = \"isochoric\"\n{range}"
     )
 }
 

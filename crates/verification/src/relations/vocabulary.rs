@@ -11,7 +11,7 @@ use super::draw::Draw;
 use super::form::{Form, is_default};
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 10] = [
+pub const NOT_DRAWN: [(&str, &str); 13] = [
     (
         "case: obstacle.displacement",
         "is for model files, where it is drawn; in a case file it is refused as soon as it is there",
@@ -21,6 +21,9 @@ pub const NOT_DRAWN: [(&str, &str); 10] = [
     ("case: mesh.resolution = fine", "the same"),
     ("model: mesh.resolution = standard", "the same"),
     ("model: mesh.resolution = fine", "the same"),
+    ("case: material.fitted_to", "a run that goes further warns; the solution knows nothing of it"),
+    ("model: material.fitted_to", "the same"),
+    ("model: region.material.fitted_to", "the same"),
     (
         "case: solver.imperfection",
         "what buckles has two shapes, mirror images of each other as a rule, and a run takes either one",
