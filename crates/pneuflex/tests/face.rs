@@ -117,17 +117,42 @@ fn a_run_can_be_recorded_when_it_has_ended() {
     let report = pneuflex::newton::PathReport { iterations: found.iterations, timing: found.timing };
     let end = End { report: &report, failure: None, reason: None, last: None, error: None };
     let [late, at_once] = [scratch("late"), scratch("at-once")];
-    // As if it had died before the last state was told of.
-    analysis.record(&late, &states[..2], checkpoints.last().map(|last| (last, 2)), &end).unwrap();
-    let gone_on = analysis.run().resume(&late).solve().unwrap();
-    let straight = analysis.run().record(&at_once).solve().unwrap();
-    assert_eq!(gone_on.states, straight.states);
+    analysis.record(&late, &states, checkpoints.last().map(|last| (last, 2)), &end).unwrap();
+    let further = coarse().set("load.pressure_kpa", "[1, 2, 3, 4]").unwrap().build().unwrap();
+    let gone_on = further.run().resume(&late).solve().unwrap();
+    let straight = further.run().record(&at_once).solve().unwrap();
+    assert_eq!(gone_on.states[..3], straight.states[..3]);
+    let tip = |found: &Solution| found.states[3].probes["tip"][2];
+    assert!((tip(&gone_on) - tip(&straight)).abs() < 1e-9 * tip(&straight).abs());
     for file in ["case.toml", "fields/step_01.vtu", "fields/step_03.vtu", "fields/series.pvd"] {
         assert_eq!(fs::read(late.join(file)).unwrap(), fs::read(at_once.join(file)).unwrap(), "{file}");
     }
     for folder in [late, at_once] {
         fs::remove_dir_all(folder).unwrap();
     }
+}
+
+#[test]
+fn a_run_goes_on_to_later_times_only_under_the_same_loads() {
+    let (folder, mut ramp) = (scratch("later"), cube());
+    ramp.analysis().unwrap().run().record(&folder).solve().unwrap();
+    // It grows up to the last time: half of it would be there at the time 1 if that were 2.
+    let Err(Error::Input(errors)) = ramp.times([0.5, 1.0, 2.0]).analysis().unwrap().run().resume(&folder).solve()
+    else {
+        panic!("it went on")
+    };
+    assert!(errors[0].to_string().contains("reached under other loads"), "{errors:?}");
+
+    let mut given = cube();
+    given.model.pressures[0].pressure_kpa = vec![[0.0, 0.0], [2.0, 20.0]].into();
+    given.analysis().unwrap().run().record(&folder).solve().unwrap();
+    let gone_on = given.times([0.5, 1.0, 2.0]).analysis().unwrap().run().resume(&folder).solve().unwrap();
+    let straight = given.analysis().unwrap().solve().unwrap();
+    for (one, other) in gone_on.states.iter().zip(&straight.states) {
+        assert!((one.strain_energy_mj - other.strain_energy_mj).abs() < 1e-6 * other.strain_energy_mj);
+    }
+    assert_eq!(gone_on.states.len(), 3);
+    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -205,6 +205,11 @@ impl Analysis {
         self.analysis.requested.iter().map(|at| at.0).collect()
     }
 
+    /// Whether another analysis is one of the same problem, at other positions on its load path.
+    fn has_problem_of(&self, other: &Self) -> bool {
+        self.analysis.problem == other.analysis.problem
+    }
+
     /// The resolved case or model file.
     #[getter]
     fn resolved(&self, py: Python<'_>) -> PyResult<String> {

@@ -240,7 +240,9 @@ def test_a_run_that_ends_early_says_why() -> None:
 
 def test_runs_go_on_from_memory_and_from_folders(solved: Result, tmp_path: Path) -> None:
     first = small_case(pressures=[1, 2]).solve(threads=1)
-    again = first.resume([3], threads=1)
+    heard: list[float] = []
+    again = first.resume([3], threads=1, on_state=lambda state: heard.append(state.pressure_kpa))
+    assert heard == [3]
     assert again.pressure_kpa.tolist() == [1, 2, 3] and np.allclose(again.tip, solved.tip, rtol=1e-9, atol=1e-12)
     assert again.resume() is again
     with pytest.raises(InputError, match="1.5.* lie before 3"):

@@ -104,6 +104,10 @@ class State:
         return float(self.summary["pressure_kpa"])
 
     @property
+    def _when(self) -> float:
+        return self.pressure_kpa if self.time is None else self.time
+
+    @property
     def end_face_angle_deg(self) -> float:
         return float(self.summary.get("end_face_angle_deg", math.nan))
 
@@ -431,8 +435,7 @@ class Result(Sequence[State]):
     @property
     def time(self) -> Floats:
         """Times of a model's schedule, shape (states,); of an actuator its pressures."""
-        times = [state.pressure_kpa if state.time is None else state.time for state in self.states]
-        return np.array(times, dtype=float)
+        return self._column("_when")
 
     @property
     def end_face_angle_deg(self) -> Floats:
@@ -533,12 +536,12 @@ class Result(Sequence[State]):
         NotConverged, Interrupted
             As :meth:`Study.solve`.
         InputError
-            For positions before those that were reached.
+            For positions before those that were reached; for later times of a model whose loads grow up to the last time.
         """
         if self._study is None:
             raise InputError(f"{self.folder}: case.toml is missing or cannot be read: there is nothing to go on with")
         reached = [state for state in self.states if state.summary.get("kind", "requested") == "requested"]
-        done = [state.pressure_kpa if state.time is None else state.time for state in reached]
+        done = [state._when for state in reached]
         study = self._study
         values = pressures if pressures is not None else times
         key = key_of_positions(study, pressures, times)
@@ -551,14 +554,18 @@ class Result(Sequence[State]):
         analysis = study.build(False, threads)
         if self.folder is not None:
             return follow(study, analysis, hearing, out=self.folder, resumes=True, fields=True)
+        if key is not None and done and not analysis.has_problem_of(self._study.build(False, threads)):
+            raise InputError(
+                "loads without times of their own grow up to the last one of load.times, which has changed, so that what was reached was "
+                "reached under other loads; give their values by time, [[time, value], ...], to go on beyond it"
+            )
         left = analysis.requested[len(done) :]
         if not left or self.status == "past-limit":
             return self
         start = self._outcome.checkpoint if self._outcome else None
         if start is None:
             return follow(study, analysis, hearing, out=None, resumes=False, fields=True)
-        part = study.with_changes([(_key(study), to_toml(left))]).build(False, threads)
-        return follow(study, part, hearing, out=None, resumes=False, fields=True, start=start, earlier=self.states)
+        return follow(study, analysis, hearing, out=None, resumes=False, fields=True, start=start, earlier=self.states)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Records a result that was not recorded while it was solved, as the program does: `summary.json`, `case.toml`, fields for ParaView,
@@ -666,6 +673,10 @@ def _maker(study: _native.Study, body: Callable[[], _Body]) -> Callable[[_native
     return lambda state: State(json.loads(state.summary), length, body, state, at)
 
 
+def _no_body() -> _Body:
+    raise AssertionError("nobody looks at it")
+
+
 def _key(study: _native.Study) -> str:
     return "load.pressure_kpa" if study.kind == "case" else "load.times"
 
@@ -712,7 +723,8 @@ def follow(
         make = _maker(study, lambda: body)
 
         def tell(state: _native.State) -> object:
-            return hear(make(state))
+            made = make(state)
+            return None if earlier and made._when == earlier[-1]._when else hear(made)
 
     iteration = progress.iteration if progress else None
     outcome = _native.solve(analysis, hearing.threads, out, resumes, start, fields, tell, iteration)
@@ -727,6 +739,9 @@ def follow(
     if out is not None and resumes:
         result = Result.open(out)
     else:
+        # A load step that was accepted at a position that was asked for is told of once more.
+        if earlier and outcome.states and earlier[-1]._when == _maker(study, _no_body)(outcome.states[0])._when:
+            earlier = earlier[:-1]
         result = Result._of(study, analysis, outcome, out, earlier)
     match outcome.status:
         case "not-converged" | "setup":
