@@ -4,12 +4,12 @@
 //!
 //! | file | what is there |
 //! |---|---|
-//! | [`study`] | case files, model files, decks and meshes, and what is built from them |
-//! | [`run`] | solving, with the interpreter free and Ctrl-C heard |
-//! | [`state`] | reached states with their fields, field files |
-//! | [`array`] | numbers that numpy sees without a copy |
-//! | [`calibration`] | fits and known materials |
-//! | [`error`] | errors as exceptions; no panic crosses |
+//! | `study` | case files, model files, decks and meshes, and what is built from them |
+//! | `run` | solving, with the interpreter free and Ctrl-C heard |
+//! | `state` | reached states with their fields, field files |
+//! | `array` | numbers that numpy sees without a copy |
+//! | `calibration` | fits and known materials |
+//! | `error` | errors as exceptions; no panic crosses |
 //!
 //! What has a structure of its own (summaries, warnings, reasons, fits) crosses as JSON, whose numbers are read back to the last bit.
 
