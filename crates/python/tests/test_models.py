@@ -73,6 +73,8 @@ def test_bad_arrays_are_refused() -> None:
     bad("set .* clamp|clamp", supports=[{"nodes": "clmap", "axes": "xyz"}])
     bad("did you mean `axes`", supports=[{"nodes": "clamp", "axis": "xyz"}])
     bad("hold", supports=[])
+    bad("members by name", node_sets=[0, 1])
+    bad("a list of tables is wanted", supports={"nodes": "clamp", "axes": "xyz"})
     bad("must be one of hex8-sri, hex8-q1p0", element="hex9")
     for nodes, cells, match in [
         (NODES[:, :2], CELLS, r"shape \(n, 3\)"),

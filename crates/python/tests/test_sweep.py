@@ -184,6 +184,23 @@ def test_killed_workers_and_drivers_lose_and_repeat_nothing(tmp_path: Path) -> N
     assert [row["design"] for row in found.table()] == [i // 3 for i in range(36)]
 
 
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks into /proc")
+def test_ctrl_c_ends_a_sweep_and_keeps_what_is_finished(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(pneuflex.__file__).parents[1])}
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    driver = subprocess.Popen(command, text=True, env=environment, **streams)
+    assert driver.stdout is not None
+    driver.stdout.readline()
+    workers = children(driver.pid)
+    driver.send_signal(signal.SIGINT)
+    _, said = driver.communicate(timeout=60)
+    assert "KeyboardInterrupt" in said and len(workers) == 2
+    assert not any(Path(f"/proc/{pid}").exists() for pid in workers)
+    found = Sweep.open(tmp_path)
+    assert 0 < len(found.unfinished) < 12 and list(tmp_path.glob("table.*"))
+
+
 def test_a_design_that_kills_its_workers_is_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from pneuflex._processes import Processes, WorkerDied
     from pneuflex._worker import Task

@@ -48,10 +48,16 @@ def numbers(values: ArrayLike, name: str, end: int | None = None) -> bytes:
     return np.ascontiguousarray(array, dtype="<u4").tobytes()
 
 
+def _named(sets: Mapping[str, ArrayLike] | None, name: str) -> Mapping[str, ArrayLike]:
+    if sets is not None and not (isinstance(sets, Mapping) and all(isinstance(key, str) for key in sets)):
+        raise InputError(f"{name} must be members by name, e.g. {{'clamp': [0, 1]}}, not {sets!r:.100}")
+    return sets or {}
+
+
 def members(sets: Mapping[str, ArrayLike] | None, count: int, kind: str) -> dict[str, bytes]:
     """Sets given by the numbers of their members, or by one truth value for each of `count` things."""
     found = {}
-    for name, values in (sets or {}).items():
+    for name, values in _named(sets, f"{kind}_sets").items():
         array = np.asarray(values)
         label = f'{kind}_sets["{name}"]'
         if array.dtype == bool:
@@ -67,7 +73,7 @@ def members(sets: Mapping[str, ArrayLike] | None, count: int, kind: str) -> dict
 def faces(sets: Mapping[str, ArrayLike] | None, nodes: int) -> dict[str, tuple[bytes, int]]:
     """Sets of faces: cell and number of the face in it, or the nodes of every face."""
     found = {}
-    for name, values in (sets or {}).items():
+    for name, values in _named(sets, "face_sets").items():
         array = np.asarray(values)
         label = f'face_sets["{name}"]'
         if array.dtype == bool and array.shape == (nodes,):

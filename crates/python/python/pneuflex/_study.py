@@ -481,15 +481,8 @@ class Model(Study):
                 help = "; add the nodes in the middle of the edges first" if size == 4 else ""
                 raise InputError(f"cells of {size} nodes cannot be solved: 8, 20 and 27 are hexahedra, 10 tetrahedra{help}")
             element = VTK_CELLS[size]
-        tables: dict[str, Any] = {
-            "title": title or None,
-            "material": as_material(material),
-            "gravity": gravity,
-            "solver": solver,
-            "load": {"times": _list(times)} if times is not None else None,
-        }
         several = {
-            "region": [{**region, "material": as_material(region.get("material"))} for region in regions],
+            "region": regions,
             "support": supports,
             "equation": equations,
             "cavity": cavities,
@@ -499,6 +492,17 @@ class Model(Study):
             "contact": contacts,
             "obstacle": obstacles,
             "probe": probes,
+        }
+        for key, rows in several.items():
+            if not isinstance(rows, Sequence) or isinstance(rows, str) or not all(isinstance(r, Mapping) for r in rows):
+                raise InputError(f"{key}: a list of tables is wanted, each with values by keys, not {rows!r:.100}")
+        several["region"] = [{**region, "material": as_material(region.get("material"))} for region in regions]
+        tables: dict[str, Any] = {
+            "title": title or None,
+            "material": as_material(material),
+            "gravity": gravity,
+            "solver": solver,
+            "load": {"times": _list(times)} if times is not None else None,
         }
         lines = [f"{key} = {to_toml(value, key)}" for key, value in tables.items() if value is not None]
         for key, rows in several.items():
