@@ -205,10 +205,14 @@ def test_ctrl_c_is_heard_while_it_solves() -> None:
     case = Case.actuator(8, mesh="standard")
     main = threading.main_thread().ident
     assert main is not None
-    timer = threading.Timer(0.5, signal.pthread_kill, (main, signal.SIGINT))
-    timer.start()
+    timer = threading.Timer(0.2, signal.pthread_kill, (main, signal.SIGINT))
+
+    def start(state: pneuflex.State) -> None:
+        if state.pressure_kpa == 5:
+            timer.start()
+
     with pytest.raises(Interrupted) as interrupted:
-        case.solve(threads=1)
+        case.solve(threads=1, on_state=start)
     # At the next iteration, and not at the end, seconds later.
     assert len(interrupted.value.result) < 5
 

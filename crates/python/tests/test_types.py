@@ -38,3 +38,9 @@ def test_everything_public_is_documented() -> None:
                     missing.append(path)
     assert not missing
     assert (Path(pneuflex.__file__).parent / "py.typed").exists()
+
+
+def test_the_reference_is_that_of_the_docstrings() -> None:
+    import reference
+
+    assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "python tests/reference.py writes it anew"
