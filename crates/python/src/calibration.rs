@@ -9,6 +9,7 @@ use pneuflex::calibration::curve::{
 use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3};
 use pneuflex::calibration::law::{Law, Mode};
 use pneuflex::calibration::library::{ENTRIES, identifier};
+use pneuflex::calibration::range::{longest_range, up_to};
 use pneuflex::{Error, InputError, input_file};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -33,6 +34,7 @@ pub fn read_curves(
     strain: Option<&str>,
     stress: Option<&str>,
     decimal: Option<&str>,
+    specimen: Option<[f64; 2]>,
 ) -> PyResult<(Vec<Points>, Vec<String>)> {
     let options = ReadOptions {
         test: test.map(|text| mode(py, text)).transpose()?,
@@ -44,6 +46,7 @@ pub fn read_curves(
         strain: one_of(py, "strain", strain, strain_measure, "stretch, engineering, percent or true")?,
         stress: one_of(py, "stress", stress, stress_measure, "nominal or true")?,
         decimal: one_of(py, "decimal", decimal, decimal_sign, "point or comma")?,
+        specimen,
     };
     apart(py, || {
         let bytes = input_file(&path, MAX_BYTES as u64)?;
@@ -59,16 +62,18 @@ pub fn read_curves(
     })
 }
 
-/// Fits a law to curves (name, test, stretches, nominal stresses in MPa, weight); the fit as JSON, with what was left out of the curves.
+/// Fits a law to curves (name, test, stretches, nominal stresses in MPa, weight) in a range, or as far as it can follow them; the fit as
+/// JSON, with what was left out of the curves.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what may be said about a fit")]
 pub fn fit(
     py: Python<'_>,
     curves: Vec<Weighted>,
     law: &str,
-    range: (f64, f64),
+    range: (f64, Option<f64>),
     cycles: &str,
     keeps_break: bool,
+    keeps_offset: bool,
     is_relative: bool,
     stable: Option<f64>,
     is_stable: bool,
@@ -85,7 +90,8 @@ pub fn fit(
         let points = stretches.iter().zip(&stresses).enumerate();
         let point = |(i, (&stretch, &stress)): (usize, (&f64, &f64))| Point { stretch, stress, line: i + 1 };
         let curve = Curve { file: name.clone(), mode: mode(py, &kind)?, points: points.map(point).collect() };
-        let how = Cleaning { cycles, keeps_break, from: range.0, to: range.1 };
+        let to = range.1.unwrap_or(f64::INFINITY);
+        let how = Cleaning { cycles, keeps_break, keeps_offset, from: range.0, to };
         let cleaned = clean(&curve, &how);
         if cleaned.used.is_empty() {
             return Err(wrong(py, format!("{name}: no point of the {} test is left to fit", curve.mode.name())));
@@ -93,11 +99,21 @@ pub fn fit(
         notes.extend(cleaned.notes);
         tests.push(Test { name, mode: curve.mode, points: cleaned.used, weight });
     }
+    let residuals = if is_relative { Residuals::Relative } else { Residuals::Absolute };
+    // What cannot be fitted is said later.
+    if range.1.is_none()
+        && let Ok(range) = longest_range(wanted, &tests, residuals)
+        && range.to.is_finite()
+    {
+        let [error, at] = range.of_all;
+        let (to, law, error) = (range.to, wanted.name(), 100.0 * error);
+        notes.push(format!(
+            "points above stretch {to:.3} are not fitted: with them {law} would be off by {error:.0} % at stretch {at:.2}"
+        ));
+        tests = up_to(&tests, to);
+    }
     let largest = largest_i1_minus_3(&tests);
-    let options = FitOptions {
-        residuals: if is_relative { Residuals::Relative } else { Residuals::Absolute },
-        stable_up_to: is_stable.then(|| stable.unwrap_or(largest)),
-    };
+    let options = FitOptions { residuals, stable_up_to: is_stable.then(|| stable.unwrap_or(largest)) };
     apart(py, || {
         let found = fit_law(wanted, &tests, &options);
         let found = found.map_err(|error| InputError::new(format!("{} cannot be fitted: {error}", wanted.name())))?;

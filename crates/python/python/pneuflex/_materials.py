@@ -71,6 +71,18 @@ def materials(name: str | None = None) -> dict[str, Silicone]:
     return {entry.name: entry for entry in _library() if wanted in _bare(entry.name)}
 
 
+def _in_python(note: str) -> str:
+    """A note of the library with arguments of :func:`fit` in the place of the program's options."""
+    options = {
+        "--keep-offset": "keep_offset=True",
+        "--keep-break": "keep_break=True",
+        "--cycles first, last or all": 'cycles="first", "last" or "all"',
+    }
+    for option, argument in options.items():
+        note = note.replace(option, argument)
+    return note
+
+
 def _bare(name: str) -> str:
     return "".join(filter(str.isalnum, name.lower()))
 
@@ -110,6 +122,8 @@ class Fit:
         Coefficient of determination of all tests together.
     is_stable : bool
         Whether the law is stable (Drucker) over the range of the tests.
+    largest_error : float
+        Largest relative error of a stress from 10 % strain on, in the range that was fitted; above 0.1 the law does not follow the curves.
     material : dict
         As keys of ``[material]``: ``case.set({"material": fit})``.
     notes : list of str
@@ -123,6 +137,7 @@ class Fit:
     confidence_95: dict[str, tuple[float, float] | None]
     r_squared: float | None
     is_stable: bool
+    largest_error: float
     material: dict[str, Any]
     notes: list[str] = field(repr=False)
     details: dict[str, Any] = field(repr=False)
@@ -132,11 +147,12 @@ def fit(
     *curves: str | os.PathLike[str] | tuple[str, ArrayLike, ArrayLike],
     law: str = "yeoh",
     from_stretch: float = 0.0,
-    to_stretch: float = math.inf,
+    to_stretch: float | None = None,
     stable: bool | float = False,
-    residuals: str = "absolute",
+    residuals: str = "relative",
     cycles: str = "last",
     keep_break: bool = False,
+    keep_offset: bool = False,
     weights: Mapping[str, float] | None = None,
     bulk_ratio: float = BULK_RATIO,
     test: str | None = None,
@@ -145,6 +161,8 @@ def fit(
     strain: str | None = None,
     stress: str | None = None,
     decimal: str | None = None,
+    area: float | None = None,
+    length: float | None = None,
 ) -> Fit:
     """Fits a hyperelastic law to curves of material tests.
 
@@ -156,15 +174,18 @@ def fit(
     law
         ``yeoh``, ``neo-hooke`` or ``mooney-rivlin``.
     from_stretch, to_stretch
-        Range that is fitted.
+        Range that is fitted. Without `to_stretch` it ends where the law cannot follow the curves any more within 10 % of the stress at every
+        strain from 10 % on: a fit up to the break is ruled by stresses that no actuator sees. `math.inf` fits all.
     stable
         True: only constants that are stable (Drucker) in every deformation up to the largest I₁ − 3 of the points; a number: up to that one.
     residuals
-        ``absolute`` (differences of nominal stress) or ``relative``.
+        ``relative`` to the stress, each part of the logarithm of the strain counting alike, or ``absolute``, which the largest stresses rule.
     cycles
         Which loading of a cyclic test: ``last``, ``first`` or ``all``.
     keep_break
         Whether rows after the largest stress of a broken specimen are kept.
+    keep_offset
+        Whether a stress at stretch 1 is kept in all others, from which it is taken otherwise.
     weights
         By kind of test; each counts once otherwise, however many points it has.
     bulk_ratio
@@ -172,6 +193,8 @@ def fit(
     test, columns, unit, strain, stress, decimal
         What files do not say, as the options of `pneuflex fit`: kind of test; columns such as ``"strain=2,stress=5"``; unit of stresses;
         measure of strain (``stretch``, ``engineering``, ``percent``, ``true``) and of stress (``nominal``, ``true``); ``point`` or ``comma``.
+    area, length
+        Undeformed area, mm², and length, mm, of the specimen, for files of force and change of length.
 
     Raises
     ------
@@ -182,6 +205,16 @@ def fit(
         raise InputError("give at least one curve: a file, or (test, stretches, stresses)")
     if residuals not in ("absolute", "relative"):
         raise InputError(f'residuals = "{residuals}" must be absolute or relative')
+    if to_stretch is not None and not from_stretch < to_stretch:
+        raise InputError(f"from_stretch = {from_stretch} must be less than to_stretch = {to_stretch}")
+    for kind, weight in (weights or {}).items():
+        if not 0 < weight < math.inf:
+            raise InputError(f'weights["{kind}"] = {weight} must be greater than 0')
+    if (area is None) != (length is None):
+        raise InputError("give both area and length of the specimen, or neither")
+    specimen = (float(area), float(length)) if area is not None and length is not None else None
+    if specimen is not None and not all(1e-6 <= size <= 1e9 for size in specimen):
+        raise InputError(f"area = {area} mm2 and length = {length} mm must be from 1e-6 to 1e9")
     read: list[tuple[str, str, list[float], list[float]]] = []
     notes: list[str] = []
     for number, curve in enumerate(curves):
@@ -196,13 +229,16 @@ def fit(
                 raise InputError(f"curve {number}: a stretch is the length over the length at rest, greater than 0")
             read.append((f"curve {number} {kind}", kind, x.tolist(), y.tolist()))
         else:
-            found, understood = _native.read_curves(curve, test, columns, unit, strain, stress, decimal)
+            found, understood = _native.read_curves(curve, test, columns, unit, strain, stress, decimal, specimen)
             notes += understood
             read += [(f"{os.fspath(curve)} {kind}", kind, x_, y_) for kind, x_, y_ in found]
     weighted = [(*row, float((weights or {}).get(row[1], 1.0))) for row in read]
     bound = None if isinstance(stable, bool) else float(stable)
     range = (from_stretch, to_stretch)
-    text = _native.fit(weighted, law, range, cycles, keep_break, residuals == "relative", bound, stable is not False)
+    is_relative = residuals == "relative"
+    text = _native.fit(
+        weighted, law, range, cycles, keep_break, keep_offset, is_relative, bound, stable is not False
+    )
     found_fit: dict[str, Any] = json.loads(text)
     details = found_fit["fit"]
     constants = {constant["name"].lower(): float(constant["value"]) for constant in details["constants"]}
@@ -219,7 +255,8 @@ def fit(
         intervals,
         details["total"]["r_squared"],
         details["is_stable_in_range"],
+        max((abs(band["largest_error"]) for bands in details["bands"] for band in bands), default=0.0),
         material,
-        notes + found_fit["notes"],
+        notes + [_in_python(note) for note in found_fit["notes"]],
         details,
     )

@@ -143,13 +143,15 @@ def read_curves(
     strain: str | None,
     stress: str | None,
     decimal: str | None,
+    specimen: tuple[float, float] | None,
 ) -> tuple[list[tuple[str, list[float], list[float]]], list[str]]: ...
 def fit(
     curves: list[tuple[str, str, list[float], list[float], float]],
     law: str,
-    range: tuple[float, float],
+    range: tuple[float, float | None],
     cycles: str,
     keeps_break: bool,
+    keeps_offset: bool,
     is_relative: bool,
     stable: float | None,
     is_stable: bool,
