@@ -6,8 +6,8 @@ use pneuflex::calibration::clean::{Cleaning, Cycles, clean};
 use pneuflex::calibration::curve::{
     self, ColumnChoice, Curve, DecimalSign, MAX_BYTES, Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit,
 };
-use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3};
-use pneuflex::calibration::law::{Law, Mode};
+use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family};
+use pneuflex::calibration::law::{Family, Mode};
 use pneuflex::calibration::library::{ENTRIES, identifier};
 use pneuflex::calibration::range::{longest_range, up_to};
 use pneuflex::{Error, InputError, input_file};
@@ -78,7 +78,8 @@ pub fn fit(
     stable: Option<f64>,
     is_stable: bool,
 ) -> PyResult<String> {
-    let wanted = one_of(py, "law", Some(law), law_of, "yeoh, neo-hooke or mooney-rivlin")?.unwrap_or(Law::Yeoh);
+    let wanted = one_of(py, "law", Some(law), family_of, "yeoh, neo-hooke, mooney-rivlin or ogden")?;
+    let wanted = wanted.unwrap_or(Family::Yeoh);
     let cycles = match cycles {
         "last" => Cycles::Last,
         "first" => Cycles::First,
@@ -115,9 +116,10 @@ pub fn fit(
     let largest = largest_i1_minus_3(&tests);
     let options = FitOptions { residuals, stable_up_to: is_stable.then(|| stable.unwrap_or(largest)) };
     apart(py, || {
-        let found = fit_law(wanted, &tests, &options);
+        // Ogden's exponents are looked for before its moduli.
+        let found = law_of_family(wanted, &tests, residuals).and_then(|law| fit_law(law, &tests, &options));
         let found = found.map_err(|error| InputError::new(format!("{} cannot be fitted: {error}", wanted.name())))?;
-        let material = pneuflex::model::Material::from(wanted.with_constants(&found.values()));
+        let material = pneuflex::model::Material::from(found.law.with_constants(&found.values()));
         let problems = material.problems("material");
         if let Some(problem) = problems.first() {
             return Err(InputError::new(format!("the fitted constants cannot be used: {problem}")).into());
@@ -182,11 +184,12 @@ fn decimal_sign(text: &str) -> Option<DecimalSign> {
     }
 }
 
-fn law_of(text: &str) -> Option<Law> {
+fn family_of(text: &str) -> Option<Family> {
     match text {
-        "yeoh" => Some(Law::Yeoh),
-        "neo-hooke" | "neo-hookean" => Some(Law::NeoHookean),
-        "mooney-rivlin" => Some(Law::MooneyRivlin),
+        "yeoh" => Some(Family::Yeoh),
+        "neo-hooke" | "neo-hookean" => Some(Family::NeoHookean),
+        "mooney-rivlin" => Some(Family::MooneyRivlin),
+        "ogden" => Some(Family::Ogden),
         _ => None,
     }
 }

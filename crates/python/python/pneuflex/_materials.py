@@ -112,12 +112,12 @@ class Fit:
     Attributes
     ----------
     law : str
-        ``yeoh``, ``neo-hooke`` or ``mooney-rivlin``.
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``.
     constants : dict
-        Values, MPa.
+        Values, MPa; Ogden's exponents are in `material`.
     confidence_95 : dict
         Intervals of 95 %, MPa, for independent residuals (which those of a smooth curve are not: they are too narrow); None where there are
-        as many constants as points.
+        as many constants as points, or none are known.
     r_squared : float or None
         Coefficient of determination of all tests together.
     is_stable : bool
@@ -172,7 +172,7 @@ def fit(
         Files (CSV), or tuples of the kind of test (``"uniaxial"``, ``"equibiaxial"``, ``"planar"``), stretches, shape (n,), and nominal stresses
         (force per area at rest), MPa, shape (n,).
     law
-        ``yeoh``, ``neo-hooke`` or ``mooney-rivlin``.
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``, whose exponents are fitted, too.
     from_stretch, to_stretch
         Range that is fitted. Without `to_stretch` it ends where the law cannot follow the curves any more within 10 % of the stress at every
         strain from 10 % on: a fit up to the break is ruled by stresses that no actuator sees. `math.inf` fits all.
@@ -243,7 +243,7 @@ def fit(
     details = found_fit["fit"]
     constants = {constant["name"].lower(): float(constant["value"]) for constant in details["constants"]}
     intervals = {
-        constant["name"].lower(): tuple(constant["confidence_95"]) if constant["confidence_95"] else None
+        constant["name"].lower(): tuple(constant["confidence_95"]) if constant.get("confidence_95") else None
         for constant in details["constants"]
     }
     material = dict(found_fit["material"])
@@ -253,7 +253,7 @@ def fit(
         material["law"],
         constants,
         intervals,
-        details["total"]["r_squared"],
+        details["total"].get("r_squared"),
         details["is_stable_in_range"],
         max((abs(band["largest_error"]) for bands in details["bands"] for band in bands), default=0.0),
         material,
