@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 20] = [
+const ARROWS: [(&str, &[&str]); 21] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
@@ -24,6 +24,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("deck", &["mesh", "model"]),
     ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("cli", &["pneuflex"]),
+    ("python", &["pneuflex"]),
     ("benches", &["pneuflex"]),
     ("verification", &["mesh", "model", "laws", "contact", "assembly", "factor", "newton", "post", "pneuflex"]),
     ("xtask", &["pneuflex", "verification"]),

@@ -12,7 +12,9 @@ use crate::error::ResultsError;
 use crate::files::{Files, INPUT, included_name};
 use crate::folder::OutputFolder;
 use crate::input_error::{InputError, InputErrorKind};
+use crate::memory::MemoryLimit;
 use crate::on_the_way::OnTheWay;
+use crate::study::Study;
 
 /// Name of the file.
 const FILE: &str = "checkpoint.bin";
@@ -130,6 +132,15 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     let forbidden: Vec<_> = changes.iter().filter(|(key, _)| !may_change(key)).map(|(_, what)| what.as_str()).collect();
     if !forbidden.is_empty() {
         return Err(again(format!("the case has changed since: {}", forbidden.join("; "))));
+    }
+    if analysis.problem.clock == Clock::Steps && old_requested.last() != analysis.requested.last() {
+        // Nothing but the times has changed: where that changes the problem, loads follow them.
+        let before = Study::load(folder.path().join("case.toml")).and_then(|old| old.build_within(MemoryLimit::None));
+        if before.map_or(true, |before| before.problem != analysis.problem) {
+            let what = "loads without times of their own grow up to the last one of load.times, which has changed, so that what was \
+                        reached was reached under other loads; give their values by time, [[time, value], ...], to go on beyond it";
+            return Err(again(what.to_owned()));
+        }
     }
     let Some(bytes) = folder.read(FILE) else {
         return Err(again(format!("there are results, but {FILE} is missing or cannot be read")));

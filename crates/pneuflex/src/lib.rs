@@ -136,6 +136,7 @@ mod foreign;
 mod holding;
 pub mod input_error;
 pub mod json;
+mod late_recording;
 pub mod memory;
 pub mod observer;
 mod on_the_way;
@@ -186,6 +187,19 @@ pub fn use_threads(threads: usize) -> Result<(), Error> {
     check_threads(threads)?;
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     built.map_err(|source| Error::Threads { threads, source })
+}
+
+/// Does some work on threads of its own, which end with it; on all of the machine's if nothing is said. Programs that are forked, and those
+/// that do several things at once, have a use for this in place of [`use_threads`].
+///
+/// # Errors
+/// As there, and those of the work.
+pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    // 0 is the number of cores, or what `RAYON_NUM_THREADS` says.
+    let number = threads.unwrap_or(0);
+    check_threads(number)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(number).build();
+    pool.map_err(|source| Error::Threads { threads: number, source })?.install(work)
 }
 
 /// Threads beyond the cores only wait for each other: a number far beyond them is a slip.

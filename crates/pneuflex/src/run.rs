@@ -11,12 +11,12 @@ use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure
 use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
 
 use crate::analysis::Analysis;
-use crate::check_threads;
 use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
 use crate::folder::OutputFolder;
 use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
+use crate::on_threads;
 use crate::reason::explain;
 use crate::recorder::Recorder;
 use crate::solution::Solution;
@@ -128,10 +128,10 @@ impl<'a> Run<'a> {
     /// used, or too many threads;
     /// [`Error::Results`] for results that could not be derived or recorded.
     pub fn solve(self) -> Result<Solution, Error> {
-        let Some(threads) = self.threads else { return self.follow() };
-        check_threads(threads)?;
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map_err(|source| Error::Threads { threads, source })?.install(|| self.follow())
+        match self.threads {
+            None => self.follow(),
+            threads => on_threads(threads, || self.follow()),
+        }
     }
 
     fn follow(mut self) -> Result<Solution, Error> {

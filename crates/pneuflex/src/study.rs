@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pneuflex_model::Case;
+use pneuflex_mesh::Mesh;
 use pneuflex_model::model_file::{Model, Source};
+use pneuflex_model::{Case, Formulation};
 
 use crate::analysis::{Analysis, Guard};
 use crate::body_file::is_deck;
@@ -13,6 +14,7 @@ use crate::document::{CaseFile, Change, Written, is_model};
 use crate::error::Error;
 use crate::input_error::{InputError, Origin, Place};
 use crate::memory::{Estimate, MemoryLimit};
+use crate::recorded_mesh::{self, RecordedMesh};
 use crate::solution::Solution;
 use crate::store::Store;
 
@@ -70,6 +72,17 @@ impl Study {
         Self::from_store(Path::new(name), Store::Memory(Arc::new(files)), Vec::new())
     }
 
+    /// A model on a mesh in memory: `text` is that of a model file without `[model]`, and speaks of the mesh's sets. Errors call it `name`.
+    ///
+    /// # Errors
+    /// As for [`Self::load`]; a mesh of another family than the formulation's, or with members of sets that are not there.
+    pub fn from_mesh(name: &str, text: &str, formulation: Formulation, mesh: &Mesh) -> Result<Self, Error> {
+        recorded_mesh::check(formulation, mesh)?;
+        let bytes = RecordedMesh::of(formulation, mesh).written()?;
+        let text = format!("model.file = \"{}\"\n{text}", recorded_mesh::FILE);
+        Self::from_files(name, [(name.to_owned(), text.into_bytes()), (recorded_mesh::FILE.to_owned(), bytes)])
+    }
+
     /// An actuator's case that was put together in memory.
     ///
     /// # Errors
@@ -93,15 +106,23 @@ impl Study {
         self.set_all([Change::new(key, value)])
     }
 
-    /// Sets several keys at once: what one of them alone would break may be mended by another.
+    /// Sets several keys at once: what one of them alone would break may be mended by another. What was set before stays, unless it is set
+    /// anew: a table as a whole takes the place of the keys in it, a resolution that of sizes.
     ///
     /// # Errors
     /// As for [`Self::set`].
     pub fn set_all(&mut self, changes: impl IntoIterator<Item = Change>) -> Result<&mut Self, Error> {
-        let changes: Vec<Change> = self.changes.iter().cloned().chain(changes).collect();
+        let new: Vec<Change> = changes.into_iter().collect();
+        let stays = |earlier: &&Change| !new.iter().any(|change| change.replaces(earlier));
+        let changes: Vec<Change> = self.changes.iter().filter(stays).chain(&new).cloned().collect();
         self.described = read(&self.path, &self.text, &changes)?;
         self.changes = changes;
         Ok(self)
+    }
+
+    /// What was set, as far as it has a meaning still.
+    pub fn changes(&self) -> &[Change] {
+        &self.changes
     }
 
     /// The values of an actuator's case file; `None` for models and decks.

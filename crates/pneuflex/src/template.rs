@@ -1,5 +1,7 @@
 //! Case files to start from.
 
+use pneuflex_mesh::Actuator;
+
 const TEMPLATE: &str = include_str!("../templates/case.toml");
 
 /// The case file of the paper's two-chamber piece, with remarks.
@@ -23,6 +25,21 @@ pub fn full_actuator() -> String {
         ("{chambers}", "8"),
         ("{flange}", "2.0"),
         ("{length}", "82.0"),
+    ])
+}
+
+/// The case file of the paper's actuator with another number of chambers, with remarks.
+///
+/// A number out of range is found when the text is read.
+pub fn actuator(chambers: usize) -> String {
+    let length = Actuator { chambers, ..Actuator::full() }.length();
+    filled([
+        ("{name}", "actuator"),
+        ("{what}", "A soft pneumatic actuator"),
+        ("{title}", ""),
+        ("{chambers}", &chambers.to_string()),
+        ("{flange}", "2.0"),
+        ("{length}", &format!("{length:?}")),
     ])
 }
 

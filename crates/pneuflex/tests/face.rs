@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use pneuflex::mesh::Facet;
 use pneuflex::model::{Formulation, Law, Material};
 use pneuflex::{
-    Analysis, Body, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, StopToken, Study, template,
+    Analysis, Body, Change, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, StopToken, Study,
+    template,
 };
 
 /// Two chambers on a mesh that is solved in no time.
@@ -66,6 +67,92 @@ fn input_errors_have_key_place_and_help() {
     assert!(matches!(study.set("actuator", ""), Err(Error::Input(_))));
     study.set("actuator.gap", "1.5").unwrap();
     assert_eq!(study.case().unwrap().actuator.gap, 1.5);
+}
+
+#[test]
+fn what_is_set_later_takes_the_place_of_what_it_stands_for() {
+    let mut study = coarse();
+    let number = study.changes().len();
+    study.set("load.pressure_kpa", "[1]").unwrap().set("load.pressure_kpa", "[2]").unwrap();
+    assert_eq!((study.changes().len(), &study.case().unwrap().load.pressure_kpa), (number, &vec![2.0]));
+    // A table as a whole has nothing of the one before: no law has the constants of another one.
+    study.set("material.c10", "0.3").unwrap().set("material", "{ law = \"neo-hooke\", c10 = 0.1 }").unwrap();
+    assert_eq!(study.case().unwrap().material.law, Law::NeoHooke { c10: 0.1 });
+    study.set("material.c10", "0.2").unwrap();
+    assert_eq!(study.case().unwrap().material.law, Law::NeoHooke { c10: 0.2 });
+    // A resolution would be nothing beside a size that was set before it; what is set together with it stays.
+    let size = |study: &Study| study.case().unwrap().resolved().mesh.size;
+    let coarse_size = size(&study);
+    study.set("mesh.resolution", "draft").unwrap();
+    assert!(size(&study) != coarse_size && study.case().unwrap().mesh.element.is_some(), "{:?}", size(&study));
+    study.set_all([Change::new("mesh.resolution", "fine"), Change::new("mesh.size", "3")]).unwrap();
+    assert_eq!(size(&study), coarse_size);
+}
+
+#[test]
+fn a_model_on_a_mesh_in_memory_is_that_of_its_body() {
+    let body = cube();
+    let text = "load.times = [0.5, 1.0]\nmaterial = { law = \"neo-hooke\", c10 = 0.1 }\n\
+                support = [{ nodes = \"bottom\", axes = \"xyz\" }]\npressure = [{ faces = \"top\", pressure_kpa = 10.0 }]\n";
+    let study = Study::from_mesh("cube", text, Formulation::Hex8Q1p0, body.mesh()).unwrap();
+    let (one, other) = (study.solve().unwrap(), body.analysis().unwrap().solve().unwrap());
+    assert_eq!(one.fields[1].displacement, other.fields[1].displacement);
+    let wrong = Study::from_mesh("cube", &text.replace("axes", "axis"), Formulation::Hex8Q1p0, body.mesh());
+    let Err(Error::Input(errors)) = wrong else { panic!("it was read") };
+    assert!(errors.iter().any(|error| error.help() == Some("did you mean `axes`?")), "{errors:?}");
+    assert!(Study::from_mesh("cube", text, Formulation::Hex27, body.mesh()).is_err());
+}
+
+#[test]
+fn a_run_can_be_recorded_when_it_has_ended() {
+    let analysis = coarse().build().unwrap();
+    let mut checkpoints = Vec::new();
+    let run = analysis.run().observer(|event| {
+        if let Event::StepAccepted(checkpoint) = event {
+            checkpoints.push((*checkpoint).clone());
+        }
+    });
+    let found = run.solve().unwrap();
+    let states: Vec<_> = found.fields.iter().collect();
+    let report = pneuflex::newton::PathReport { iterations: found.iterations, timing: found.timing };
+    let end = End { report: &report, failure: None, reason: None, last: None, error: None };
+    let [late, at_once] = [scratch("late"), scratch("at-once")];
+    analysis.record(&late, &states, checkpoints.last().map(|last| (last, 2)), &end).unwrap();
+    let further = coarse().set("load.pressure_kpa", "[1, 2, 3, 4]").unwrap().build().unwrap();
+    let gone_on = further.run().resume(&late).solve().unwrap();
+    let straight = further.run().record(&at_once).solve().unwrap();
+    assert_eq!(gone_on.states[..3], straight.states[..3]);
+    let tip = |found: &Solution| found.states[3].probes["tip"][2];
+    assert!((tip(&gone_on) - tip(&straight)).abs() < 1e-9 * tip(&straight).abs());
+    for file in ["case.toml", "fields/step_01.vtu", "fields/step_03.vtu", "fields/series.pvd"] {
+        assert_eq!(fs::read(late.join(file)).unwrap(), fs::read(at_once.join(file)).unwrap(), "{file}");
+    }
+    for folder in [late, at_once] {
+        fs::remove_dir_all(folder).unwrap();
+    }
+}
+
+#[test]
+fn a_run_goes_on_to_later_times_only_under_the_same_loads() {
+    let (folder, mut ramp) = (scratch("later"), cube());
+    ramp.analysis().unwrap().run().record(&folder).solve().unwrap();
+    // It grows up to the last time: half of it would be there at the time 1 if that were 2.
+    let Err(Error::Input(errors)) = ramp.times([0.5, 1.0, 2.0]).analysis().unwrap().run().resume(&folder).solve()
+    else {
+        panic!("it went on")
+    };
+    assert!(errors[0].to_string().contains("reached under other loads"), "{errors:?}");
+
+    let mut given = cube();
+    given.model.pressures[0].pressure_kpa = vec![[0.0, 0.0], [2.0, 20.0]].into();
+    given.analysis().unwrap().run().record(&folder).solve().unwrap();
+    let gone_on = given.times([0.5, 1.0, 2.0]).analysis().unwrap().run().resume(&folder).solve().unwrap();
+    let straight = given.analysis().unwrap().solve().unwrap();
+    for (one, other) in gone_on.states.iter().zip(&straight.states) {
+        assert!((one.strain_energy_mj - other.strain_energy_mj).abs() < 1e-6 * other.strain_energy_mj);
+    }
+    assert_eq!(gone_on.states.len(), 3);
+    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use pneuflex::diagnosis::WarningKind;
 use pneuflex::model::{Formulation, Law, Material};
-use pneuflex::{Analysis, Body, Error, Study, template};
+use pneuflex::{Analysis, Body, Change, Error, Study, template};
 
 /// Four chambers and what else a file says.
 fn file(rest: &str) -> String {
@@ -69,12 +69,10 @@ fn assert_body_refused(body: &Body, key: &str, words: &str) {
 }
 
 #[test]
-fn changes_of_the_mesh_have_no_order() {
+fn changes_of_the_mesh_that_are_made_together_have_no_order() {
     let changed = |text: &str, changes: &[(&str, &str)]| {
         let mut study = Study::from_text("finger.toml", text).unwrap();
-        changes.iter().for_each(|(key, value)| {
-            study.set(key, value).unwrap();
-        });
+        study.set_all(changes.iter().map(|(key, value)| Change::new(*key, *value))).unwrap();
         study.case().unwrap().mesh.clone()
     };
     let paper = template::two_chambers().replace("resolution = \"standard\"", "size = 1.0\nelement = \"hex8-sri\"");

@@ -27,6 +27,9 @@ use repair::{Repair, Repairs};
 /// Problems of a file that are said at the most.
 const MOST_PROBLEMS: usize = 30;
 
+/// Keys of `[mesh]` that a resolution stands for.
+const SIZES: [&str; 3] = ["size", "edge_size", "wall_elements"];
+
 /// What a file in TOML describes.
 pub trait Document: DeserializeOwned {
     /// Every key whose value is out of range.
@@ -62,6 +65,14 @@ impl Change {
     pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
         Self { key: key.into(), value: value.into() }
     }
+
+    /// Whether an earlier change has no meaning any more beside this one: one of the same key, of a key in a table that is given as a whole,
+    /// or of a size of the mesh where this one asks for a resolution.
+    pub(crate) fn replaces(&self, earlier: &Self) -> bool {
+        let (key, old) = (self.key.trim(), earlier.key.trim());
+        let is_within = old.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        is_within || key == "mesh.resolution" && SIZES.iter().any(|size| old == format!("mesh.{size}"))
+    }
 }
 
 impl fmt::Display for Change {
@@ -92,6 +103,8 @@ struct Text {
     origin: Origin,
     start: usize,
     text: Arc<str>,
+    /// Number of names of the key that a change sets.
+    depth: usize,
 }
 
 /// Where a key and its value stand.
@@ -117,7 +130,8 @@ impl<T: Document> Written<T> {
     /// As there.
     pub fn from_text(path: &Path, text: impl Into<Arc<str>>, changes: &[Change]) -> Result<Self, Vec<InputError>> {
         let name = path.display().to_string();
-        let mut sources = Sources { texts: vec![Text { name, origin: Origin::File, start: 0, text: text.into() }] };
+        let file = Text { name, origin: Origin::File, start: 0, text: text.into(), depth: 0 };
+        let mut sources = Sources { texts: vec![file] };
         for change in changes {
             sources.push_change(change)?;
         }
@@ -133,8 +147,8 @@ impl<T: Document> Written<T> {
         if changes.iter().any(|change| of_mesh(change).is_some_and(|mesh| mesh.contains_key("resolution"))) {
             make_way_for_resolution(document.get_mut());
         }
-        for change in changes {
-            merge(document.get_mut(), change);
+        for (change, text) in changes.into_iter().zip(&sources.texts[1..]) {
+            set(document.get_mut(), change, text.depth);
         }
         let mut keys = Vec::new();
         collect(document.get_ref(), "", &mut keys);
@@ -225,13 +239,14 @@ impl Sources {
             let place = Place::new(&name, Origin::Change, text, 0..key.len());
             return Err(InputError::new(format!("`{}` is not a key", key.trim())).of_key(key).at(Some(place)));
         };
-        self.texts.push(Text { name: change.to_string(), origin: Origin::Change, start, text: text.into() });
+        let (name, depth) = (change.to_string(), names_of(key));
+        self.texts.push(Text { name, origin: Origin::Change, start, text: text.into(), depth });
         Ok(())
     }
 
     fn place(&self, span: Range<usize>) -> Place {
         let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
-        let Text { name, origin, start, text } = &self.texts[index];
+        let Text { name, origin, start, text, .. } = &self.texts[index];
         Place::new(name, *origin, text.clone(), span.start - start..span.end.max(span.start) - start)
     }
 }
@@ -253,7 +268,7 @@ fn of_mesh<'a, 'b>(document: &'b DeTable<'a>) -> Option<&'b DeTable<'a>> {
 fn make_way_for_resolution(document: &mut DeTable<'_>) {
     let has_resolution = of_mesh(document).is_some_and(|mesh| mesh.contains_key("resolution"));
     if let Some(DeValue::Table(mesh)) = document.get_mut("mesh").map(Spanned::get_mut) {
-        for key in ["size", "edge_size", "wall_elements"] {
+        for key in SIZES {
             mesh.remove(key);
         }
         if !has_resolution {
@@ -262,13 +277,14 @@ fn make_way_for_resolution(document: &mut DeTable<'_>) {
     }
 }
 
-fn merge<'a>(into: &mut DeTable<'a>, changes: DeTable<'a>) {
-    for (key, value) in changes {
+/// Sets a key of so many names. Its value is the new one and nothing of the old, also where it is a table.
+fn set<'a>(into: &mut DeTable<'a>, change: DeTable<'a>, names: usize) {
+    for (key, value) in change {
         let existing = into.get_mut(key.get_ref().as_ref()).map(Spanned::get_mut);
         match (existing, value) {
-            (Some(DeValue::Table(old)), value) if value.get_ref().is_table() => {
+            (Some(DeValue::Table(old)), value) if names > 1 && value.get_ref().is_table() => {
                 if let DeValue::Table(new) = value.into_inner() {
-                    merge(old, new);
+                    set(old, new, names - 1);
                 }
             }
             (_, value) => {
@@ -278,6 +294,19 @@ fn merge<'a>(into: &mut DeTable<'a>, changes: DeTable<'a>) {
             }
         }
     }
+}
+
+/// Number of names of a key: 2 of `actuator.gap`.
+fn names_of(key: &str) -> usize {
+    let text = format!("{key}=0");
+    let Ok(table) = DeTable::parse(&text) else { return 1 };
+    let inner = |table: &'_ DeTable<'_>| table.iter().next().is_some_and(|(_, value)| value.get_ref().is_table());
+    let (mut table, mut names) = (table.get_ref(), 1);
+    while inner(table) {
+        let Some(next) = table.iter().next().and_then(|(_, value)| value.get_ref().as_table()) else { break };
+        (table, names) = (next, names + 1);
+    }
+    names
 }
 
 fn collect(table: &DeTable<'_>, prefix: &str, keys: &mut Vec<Key>) {

@@ -1,0 +1,89 @@
+"""Arrays in and out of the native part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._errors import InputError
+from ._native import Array
+
+Floats = NDArray[np.float64]
+Integers = NDArray[Any]
+
+
+def floats(array: Array) -> Floats:
+    """The numbers of the native part, without a copy and for reading only."""
+    seen: Floats = np.asarray(array)
+    return seen
+
+
+def integers(array: Array) -> Integers:
+    """The same for whole numbers."""
+    return np.asarray(array)
+
+
+def matrix(values: ArrayLike, columns: int, name: str) -> Floats:
+    """Real numbers in rows of `columns`."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[1] != columns:
+        raise InputError(f"{name} must be numbers of shape (n, {columns}), not {array.dtype} of shape {array.shape}")
+    return np.ascontiguousarray(array, dtype="<f8")
+
+
+def numbers(values: ArrayLike, name: str, end: int | None = None) -> bytes:
+    """Numbers of nodes or cells, from 0, as bytes for the native part."""
+    array = np.asarray(values)
+    if array.size == 0:
+        return b""
+    if array.dtype.kind not in "iu":
+        raise InputError(f"{name} must be whole numbers, not {array.dtype}")
+    least, most = int(array.min()), int(array.max())
+    if least < 0 or most >= 2**32 or (end is not None and most >= end):
+        bad = least if least < 0 else most
+        raise InputError(f"{name} has {bad}, but numbers run from 0 to {end - 1 if end is not None else 2**32 - 1}")
+    return np.ascontiguousarray(array, dtype="<u4").tobytes()
+
+
+def _named(sets: Mapping[str, ArrayLike] | None, name: str) -> Mapping[str, ArrayLike]:
+    if sets is not None and not (isinstance(sets, Mapping) and all(isinstance(key, str) for key in sets)):
+        raise InputError(f"{name} must be members by name, e.g. {{'clamp': [0, 1]}}, not {sets!r:.100}")
+    return sets or {}
+
+
+def members(sets: Mapping[str, ArrayLike] | None, count: int, kind: str) -> dict[str, bytes]:
+    """Sets given by the numbers of their members, or by one truth value for each of `count` things."""
+    found = {}
+    for name, values in _named(sets, f"{kind}_sets").items():
+        array = np.asarray(values)
+        label = f'{kind}_sets["{name}"]'
+        if array.dtype == bool:
+            if array.shape != (count,):
+                raise InputError(f"{label} has the shape {array.shape}, but there are {count} {kind}s")
+            array = np.flatnonzero(array)
+        if array.ndim != 1:
+            raise InputError(f"{label} must be a list of numbers or of truth values, not of shape {array.shape}")
+        found[name] = numbers(array, label, count)
+    return found
+
+
+def faces(sets: Mapping[str, ArrayLike] | None, nodes: int) -> dict[str, tuple[bytes, int]]:
+    """Sets of faces: cell and number of the face in it, or the nodes of every face."""
+    found = {}
+    for name, values in _named(sets, "face_sets").items():
+        array = np.asarray(values)
+        label = f'face_sets["{name}"]'
+        if array.dtype == bool and array.shape == (nodes,):
+            # The native part knows the surface: no columns stand for nodes of which all of a face must be there.
+            found[name] = (numbers(np.flatnonzero(array), label, nodes), 0)
+            continue
+        if array.ndim != 2 or array.shape[1] < 2:
+            raise InputError(
+                f"{label} must have the shape (n, 2), cell and number of the face in it, or (n, nodes of a face), "
+                f"or be a truth value for each of the {nodes} nodes, not {array.dtype} of shape {array.shape}"
+            )
+        found[name] = (numbers(array, label), int(array.shape[1]))
+    return found

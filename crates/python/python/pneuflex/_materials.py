@@ -1,0 +1,262 @@
+"""Constants of silicones: fits to test curves, known sets."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._errors import InputError
+
+BULK_RATIO = 1000.0
+"""Bulk modulus over initial shear modulus unless something else is said: Poisson's ratio 0.4995."""
+
+
+@dataclass(frozen=True)
+class Silicone:
+    """A known set of Yeoh constants.
+
+    Attributes
+    ----------
+    name : str
+        What :meth:`Study.set` and others take as a material, e.g. ``"dragon-skin-30"``.
+    product : str
+        The product.
+    constants : dict
+        C₁₀, C₂₀, C₃₀, MPa.
+    range, source : str
+        The test and its range; where the constants are from.
+    material : dict
+        As keys of ``[material]``.
+    """
+
+    name: str
+    product: str
+    constants: dict[str, float]
+    range: str
+    source: str
+    material: dict[str, Any] = field(repr=False)
+
+
+@cache
+def _library() -> tuple[Silicone, ...]:
+    found = []
+    for row in json.loads(_native.materials()):
+        entry = row["entry"]
+        constants = dict(zip(("c10", "c20", "c30"), entry["constants"], strict=True))
+        bulk = entry["bulk_modulus"] or _rounded(BULK_RATIO * 2.0 * constants["c10"])
+        material = {"law": "yeoh", **constants, "bulk_modulus": bulk, "invariant": "isochoric"}
+        found.append(Silicone(row["identifier"], entry["name"], constants, entry["range"], entry["source"], material))
+    return tuple(found)
+
+
+def materials(name: str | None = None) -> dict[str, Silicone]:
+    """Known silicones by name. Published sets for one product differ by a factor of two (batch, curing, strain rate, first or later loading,
+    range of the fit): test your own batch and :func:`fit` it if it matters.
+
+    Parameters
+    ----------
+    name
+        Only those whose name has this in it.
+    """
+    wanted = _bare(name or "")
+    return {entry.name: entry for entry in _library() if wanted in _bare(entry.name)}
+
+
+def _in_python(note: str) -> str:
+    """A note of the library with arguments of :func:`fit` in the place of the program's options."""
+    options = {
+        "--keep-offset": "keep_offset=True",
+        "--keep-break": "keep_break=True",
+        "--cycles first, last or all": 'cycles="first", "last" or "all"',
+    }
+    for option, argument in options.items():
+        note = note.replace(option, argument)
+    return note
+
+
+def _bare(name: str) -> str:
+    return "".join(filter(str.isalnum, name.lower()))
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.5e}")
+
+
+def as_material(material: Any) -> Any:
+    """Keys of ``[material]``: of a known silicone, of a fit, or as they are."""
+    if isinstance(material, (Silicone, Fit)):
+        return dict(material.material)
+    if not isinstance(material, str):
+        return material
+    for entry in _library():
+        if entry.name == material:
+            return dict(entry.material)
+    like = list(materials(material)) if _bare(material) else []
+    help = f"did you mean {', '.join(like)}?" if like else "pneuflex.materials() lists all"
+    raise InputError(f'no material "{material}" is known\n  help: {help}')
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Constants of a law, fitted to test curves.
+
+    Attributes
+    ----------
+    law : str
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``.
+    constants : dict
+        Values, MPa; Ogden's exponents are in `material`.
+    confidence_95 : dict
+        Intervals of 95 %, MPa, for independent residuals (which those of a smooth curve are not: they are too narrow); None where there are
+        as many constants as points, or none are known.
+    r_squared : float or None
+        Coefficient of determination of all tests together.
+    is_stable : bool
+        Whether the law is stable (Drucker) over the range of the tests.
+    largest_error : float
+        Largest relative error of a stress from 10 % strain on, in the range that was fitted; above 0.1 the law does not follow the curves.
+    material : dict
+        As keys of ``[material]``: ``case.set({"material": fit})``.
+    notes : list of str
+        What was left out of the curves, and how files were understood.
+    details : dict
+        Everything, as in the program's `fit.json`.
+    """
+
+    law: str
+    constants: dict[str, float]
+    confidence_95: dict[str, tuple[float, float] | None]
+    r_squared: float | None
+    is_stable: bool
+    largest_error: float
+    material: dict[str, Any]
+    notes: list[str] = field(repr=False)
+    details: dict[str, Any] = field(repr=False)
+
+
+def fit(
+    *curves: str | os.PathLike[str] | tuple[str, ArrayLike, ArrayLike],
+    law: str = "yeoh",
+    from_stretch: float = 0.0,
+    to_stretch: float | None = None,
+    stable: bool | float = False,
+    residuals: str = "relative",
+    cycles: str = "last",
+    keep_break: bool = False,
+    keep_offset: bool = False,
+    weights: Mapping[str, float] | None = None,
+    bulk_ratio: float = BULK_RATIO,
+    test: str | None = None,
+    columns: str | None = None,
+    unit: str | None = None,
+    strain: str | None = None,
+    stress: str | None = None,
+    decimal: str | None = None,
+    area: float | None = None,
+    length: float | None = None,
+) -> Fit:
+    """Fits a hyperelastic law to curves of material tests.
+
+    Parameters
+    ----------
+    curves
+        Files (CSV), or tuples of the kind of test (``"uniaxial"``, ``"equibiaxial"``, ``"planar"``), stretches, shape (n,), and nominal stresses
+        (force per area at rest), MPa, shape (n,).
+    law
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``, whose exponents are fitted, too.
+    from_stretch, to_stretch
+        Range that is fitted. Without `to_stretch` it ends where the law cannot follow the curves any more within 10 % of the stress at every
+        strain from 10 % on: a fit up to the break is ruled by stresses that no actuator sees. `math.inf` fits all.
+    stable
+        True: only constants that are stable (Drucker) in every deformation up to the largest I₁ − 3 of the points; a number: up to that one.
+    residuals
+        ``relative`` to the stress, each part of the logarithm of the strain counting alike, or ``absolute``, which the largest stresses rule.
+    cycles
+        Which loading of a cyclic test: ``last``, ``first`` or ``all``.
+    keep_break
+        Whether rows after the largest stress of a broken specimen are kept.
+    keep_offset
+        Whether a stress at stretch 1 is kept in all others, from which it is taken otherwise.
+    weights
+        By kind of test; each counts once otherwise, however many points it has.
+    bulk_ratio
+        Bulk modulus over initial shear modulus, which is no result of such tests.
+    test, columns, unit, strain, stress, decimal
+        What files do not say, as the options of `pneuflex fit`: kind of test; columns such as ``"strain=2,stress=5"``; unit of stresses;
+        measure of strain (``stretch``, ``engineering``, ``percent``, ``true``) and of stress (``nominal``, ``true``); ``point`` or ``comma``.
+    area, length
+        Undeformed area, mm², and length, mm, of the specimen, for files of force and change of length.
+
+    Raises
+    ------
+    InputError
+        Files that are not understood, too few points, constants that no case could use.
+    """
+    if not curves:
+        raise InputError("give at least one curve: a file, or (test, stretches, stresses)")
+    if residuals not in ("absolute", "relative"):
+        raise InputError(f'residuals = "{residuals}" must be absolute or relative')
+    if to_stretch is not None and not from_stretch < to_stretch:
+        raise InputError(f"from_stretch = {from_stretch} must be less than to_stretch = {to_stretch}")
+    for kind, weight in (weights or {}).items():
+        if not 0 < weight < math.inf:
+            raise InputError(f'weights["{kind}"] = {weight} must be greater than 0')
+    if (area is None) != (length is None):
+        raise InputError("give both area and length of the specimen, or neither")
+    specimen = (float(area), float(length)) if area is not None and length is not None else None
+    if specimen is not None and not all(1e-6 <= size <= 1e9 for size in specimen):
+        raise InputError(f"area = {area} mm2 and length = {length} mm must be from 1e-6 to 1e9")
+    read: list[tuple[str, str, list[float], list[float]]] = []
+    notes: list[str] = []
+    for number, curve in enumerate(curves):
+        if isinstance(curve, tuple):
+            kind, stretches, stresses = curve
+            x, y = np.asarray(stretches, dtype=float), np.asarray(stresses, dtype=float)
+            if x.shape != y.shape or x.ndim != 1:
+                raise InputError(f"curve {number}: stretches and stresses have the shapes {x.shape} and {y.shape}")
+            if not (np.isfinite(x).all() and np.isfinite(y).all()):
+                raise InputError(f"curve {number}: not all stretches and stresses are finite")
+            if (x <= 0).any():
+                raise InputError(f"curve {number}: a stretch is the length over the length at rest, greater than 0")
+            read.append((f"curve {number} {kind}", kind, x.tolist(), y.tolist()))
+        else:
+            found, understood = _native.read_curves(curve, test, columns, unit, strain, stress, decimal, specimen)
+            notes += understood
+            read += [(f"{os.fspath(curve)} {kind}", kind, x_, y_) for kind, x_, y_ in found]
+    weighted = [(*row, float((weights or {}).get(row[1], 1.0))) for row in read]
+    bound = None if isinstance(stable, bool) else float(stable)
+    range = (from_stretch, to_stretch)
+    is_relative = residuals == "relative"
+    text = _native.fit(
+        weighted, law, range, cycles, keep_break, keep_offset, is_relative, bound, stable is not False
+    )
+    found_fit: dict[str, Any] = json.loads(text)
+    details = found_fit["fit"]
+    constants = {constant["name"].lower(): float(constant["value"]) for constant in details["constants"]}
+    intervals = {
+        constant["name"].lower(): tuple(constant["confidence_95"]) if constant.get("confidence_95") else None
+        for constant in details["constants"]
+    }
+    material = dict(found_fit["material"])
+    material["bulk_modulus"] = _rounded(bulk_ratio * details["shear_modulus_mpa"])
+    material["invariant"] = "isochoric"
+    return Fit(
+        material["law"],
+        constants,
+        intervals,
+        details["total"].get("r_squared"),
+        details["is_stable_in_range"],
+        max((abs(band["largest_error"]) for bands in details["bands"] for band in bands), default=0.0),
+        material,
+        notes + [_in_python(note) for note in found_fit["notes"]],
+        details,
+    )

@@ -1,0 +1,552 @@
+"""What is to be solved: cases of actuators, models of other bodies."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._arrays import Floats, Integers, faces, floats, integers, matrix, members, numbers
+from ._errors import InputError
+from ._materials import as_material
+from ._mesh import VTK_CELLS, parts_of
+from ._result import Hearing, Result, State, _Body, follow, key_of_positions
+from ._toml import flat, to_toml
+
+Keys = Mapping[str, Any]
+
+
+class Check:
+    """What would be solved.
+
+    Attributes
+    ----------
+    nodes, cells : int
+        Numbers of nodes and of cells.
+    unknowns : int
+        Number of unknown displacements.
+    element : str
+        The element, e.g. ``"hex27"``.
+    modelled : str or None
+        What is modelled of the whole body: ``whole``, ``half``, ``quarter``, ``eighth``; None where nobody knows.
+    volume_mm3 : float
+        Volume of the solid that is modelled.
+    memory_bytes : float
+        Peak memory that solving will need, about.
+    requested : list of float
+        Pressures in kPa, or times, at which there will be results.
+    notes : list of str
+        What was understood in another way than it may be meant.
+    warnings : list of dict
+        What to be careful about: ``kind``, ``message``, ``advice``.
+    """
+
+    def __init__(self, analysis: _native.Analysis) -> None:
+        self._analysis = analysis
+        self.title = analysis.title
+        self.nodes, self.cells, self.unknowns = analysis.sizes
+        self.element, self.modelled = analysis.element, analysis.modelled
+        self.volume_mm3, self.memory_bytes = analysis.volume_and_memory
+        self.requested = analysis.requested
+        self.notes, warnings = analysis.remarks
+        self.warnings: list[dict[str, Any]] = json.loads(warnings)
+        self._text, self.rows = analysis.overview
+
+    @property
+    def points(self) -> Floats:
+        """Positions of the nodes at rest, mm, shape (nodes, 3)."""
+        return floats(self._analysis.nodes)
+
+    @property
+    def connectivity(self) -> Integers:
+        """Nodes of every cell in VTK's order, shape (cells, nodes of a cell)."""
+        return integers(self._analysis.cells)
+
+    @property
+    def node_sets(self) -> dict[str, Integers]:
+        """Named nodes, each of shape (m,)."""
+        return {name: np.array(nodes, dtype=np.int64) for name, nodes in self._analysis.sets[0].items()}
+
+    @property
+    def cell_sets(self) -> dict[str, Integers]:
+        """Named cells, each of shape (m,)."""
+        return {name: np.array(cells, dtype=np.int64) for name, cells in self._analysis.sets[1].items()}
+
+    @property
+    def face_sets(self) -> dict[str, Integers]:
+        """Named faces: cell and number of the face in it, each of shape (m, 2)."""
+        found = self._analysis.face_sets.items()
+        return {name: np.array(faces, dtype=np.int64).reshape(-1, 2) for name, faces in found}
+
+    def mesh(self) -> Any:
+        """The body at rest as a `pyvista.UnstructuredGrid`."""
+        return _Body.of_analysis(self._analysis).grid()
+
+    def __str__(self) -> str:
+        notes = [*self.notes, *(f"warning: {w['message']}\n  what to do: {w['advice']}" for w in self.warnings)]
+        return "\n".join([self._text.rstrip(), *notes])
+
+    def __repr__(self) -> str:
+        return f"<Check: {self.nodes} nodes, {self.cells} cells {self.element}, {self.unknowns} unknowns>"
+
+
+class Study:
+    """What is common to :class:`Case` and :class:`Model`: keys that can be set, checking, solving."""
+
+    _kinds: tuple[str, ...] = ("case", "model", "deck")
+
+    def __init__(self, source: tuple[Any, ...], changes: Sequence[tuple[str, str]] = ()) -> None:
+        self._source = source
+        make = getattr(_native.Study, source[0])
+        self._study: _native.Study = make(*source[1:], list(changes))
+        if self._study.kind not in self._kinds:
+            other = "Case" if self._study.kind == "case" else "Model"
+            raise InputError(f"{self._study.path} describes a {self._study.kind}: use pneuflex.{other}.load")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), self._source, self._study.changes)
+
+    def copy(self) -> Self:
+        """A copy, whose keys can be set without changing this one's."""
+        other = type(self).__new__(type(self))
+        other._source, other._study = self._source, self._study
+        return other
+
+    __copy__ = copy
+
+    def set(self, keys: Keys) -> Self:
+        """Sets keys, all at once: what one of them alone would break may be mended by another. Returns the same object.
+
+        Parameters
+        ----------
+        keys
+            Values by keys such as ``"actuator.gap"``, ``"mesh.resolution"`` or ``"load.pressure_kpa"``, or by tables, ``{"mesh": {"size":
+            2}}``; numbers, texts, lists, tables and numpy's. A material may be the name of a known one. All keys are in the guide.
+
+        Raises
+        ------
+        InputError
+            If there is no such key (the nearest name is said) or a value is out of range (the range is said); nothing has changed then.
+
+        >>> case = Case.actuator(chambers=2).set({"actuator.gap": 1.5, "mesh.resolution": "draft"})
+        >>> case["actuator.gap"]
+        1.5
+        """
+        named = {key: as_material(value) if key == "material" else value for key, value in keys.items()}
+        self._study = self._study.with_changes(flat(named))
+        return self
+
+    def __getitem__(self, key: str) -> Any:
+        """The value of a key, with defaults filled in, e.g. ``case["actuator.gap"]``."""
+        value: Any = self.values
+        for name in key.split("."):
+            if not isinstance(value, dict) or name not in value:
+                raise KeyError(key)
+            value = value[name]
+        return value
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All keys with their values, as tables."""
+        values: dict[str, Any] = json.loads(self._study.values)
+        return values
+
+    def check(self, *, force: bool = False) -> Check:
+        """Meshes the body and says what would be solved; nothing is solved.
+
+        Parameters
+        ----------
+        force
+            Also for a body that needs more memory than there is.
+
+        Raises
+        ------
+        InputError
+            Lengths that make no body, sets that do not exist, a part that nothing holds, a body that is too large …
+        """
+        return Check(self._study.build(force, None))
+
+    def solve(
+        self,
+        pressures: ArrayLike | None = None,
+        *,
+        times: ArrayLike | None = None,
+        threads: int | None = None,
+        progress: bool = False,
+        on_state: Callable[[State], object] | None = None,
+        out: str | os.PathLike[str] | None = None,
+        fields: bool = True,
+        force: bool = False,
+    ) -> Result:
+        """Follows the equilibria from rest through all pressures, or times of a model. Other Python threads go on meanwhile.
+
+        Parameters
+        ----------
+        pressures
+            Air pressures, kPa, increasing, in place of the case's own.
+        times
+            The same for a model: times of its schedule.
+        threads
+            Number of threads; all cores unless told otherwise. Results do not depend on it beyond 1e-10.
+        progress
+            Whether a line on standard error says how far the run is.
+        on_state
+            Called with every :class:`State` as it is reached, on this thread; the run waits for it. What it raises ends the run.
+        out
+            Folder to record in, as the program does, with `report.html`. Results in it are replaced; a folder with anything else is refused.
+        fields
+            Whether fields are kept; without them a result takes little memory.
+        force
+            Whether a body is tried that needs more memory than there is.
+
+        Raises
+        ------
+        NotConverged
+            The path ended early; ``error.result`` has what was reached, and the reason.
+        Interrupted
+            Ctrl-C (a `KeyboardInterrupt`); ``error.result`` has what was reached, ``error.result.resume()`` goes on.
+        InputError
+            As :meth:`check`, or a folder that cannot be used.
+        OSError
+            Results cannot be written.
+        """
+        values = pressures if pressures is not None else times
+        study, key = self._study, key_of_positions(self._study, _list(pressures), _list(times))
+        if key is not None and values is not None:
+            study = study.with_changes([(key, to_toml(_list(values)))])
+        analysis = study.build(force, threads)
+        hearing = Hearing(threads, progress, on_state)
+        folder = Path(out) if out is not None else None
+        return follow(study, analysis, hearing, out=folder, resumes=False, fields=fields)
+
+
+def _list(values: ArrayLike | None) -> list[float] | None:
+    if values is None:
+        return None
+    array = np.atleast_1d(np.asarray(values))
+    if array.ndim != 1 or array.dtype.kind not in "fiu":
+        raise InputError(f"pressures and times are lists of numbers, not {array.dtype} of shape {array.shape}")
+    return [float(x) for x in array]
+
+
+def _existing(path: str | os.PathLike[str]) -> str:
+    if not os.path.exists(path):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
+    return os.path.abspath(path)
+
+
+def _again(kind: type[Study], source: tuple[Any, ...], changes: list[tuple[str, str]]) -> Study:
+    made = kind.__new__(kind)
+    Study.__init__(made, source, changes)
+    return made
+
+
+class Case(Study):
+    """An actuator that its lengths describe: a row of chambers on a base, clamped at x = 0; x runs along it, z is up.
+
+    >>> case = Case.actuator(chambers=2, pressures=[5, 10])
+    >>> case.set({"actuator.gap": 1.5})
+    Case('actuator', 2 chambers, 17.5 mm long, at 5, 10 kPa)
+    """
+
+    _kinds = ("case",)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], keys: Keys | None = None) -> Case:
+        """Reads a case file (TOML).
+
+        Parameters
+        ----------
+        path
+            The file.
+        keys
+            Keys to set, as :meth:`Study.set`; they may mend what is missing in the file.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong: file, line, key, allowed range, nearest name.
+        FileNotFoundError
+            If there is no such file.
+        """
+        case = cls(("load", _existing(path)), flat(keys or {}))
+        # A copy that is sent to another process is the case that was read.
+        case._source = ("from_text", os.fspath(path), Path(path).read_text(encoding="utf-8"))
+        return case
+
+    @classmethod
+    def from_text(cls, text: str, name: str = "case.toml") -> Case:
+        """A case from the text of a case file, which messages call `name`."""
+        return cls(("from_text", name, text))
+
+    @classmethod
+    def actuator(
+        cls,
+        chambers: int,
+        *,
+        pressures: ArrayLike | None = None,
+        chamber_length: float | None = None,
+        cavity_length: float | None = None,
+        gap: float | None = None,
+        flange: float | None = None,
+        width: float | None = None,
+        height: float | None = None,
+        base: float | None = None,
+        cavity_floor: float | None = None,
+        side_wall: float | None = None,
+        top_wall: float | None = None,
+        channel: Keys | None = None,
+        part: str | None = None,
+        material: str | Keys | None = None,
+        mesh: str | Keys | None = None,
+        contact: Keys | None = None,
+        obstacles: Sequence[Keys] = (),
+        probes: Sequence[Keys] = (),
+        solver: Keys | None = None,
+        title: str = "",
+    ) -> Case:
+        """An actuator from keywords. What is left out is that of Xu & Liu's actuator (2020): chambers of 8 mm with gaps of 2 mm, 20 mm wide
+        and 13 mm high, walls of 1 mm, a base of 4 mm, flanges of 2 mm.
+
+        Parameters
+        ----------
+        chambers
+            Number of chambers.
+        pressures
+            Air pressures at which results are wanted, kPa, increasing; 5, 15, 25, 35 and 50 unless told otherwise.
+        chamber_length, cavity_length
+            Outer length of a chamber and length of its cavity, mm; the end walls share the rest.
+        gap
+            Between neighbouring chambers, mm.
+        flange
+            Base beyond the first and the last chamber, mm; 0 for none.
+        width, height, base, cavity_floor, side_wall, top_wall
+            Whole width and height; thickness of the base, height of the cavities' floor (the top of the base unless told otherwise),
+            thickness of side and top walls, mm.
+        channel
+            Air channel in the base: ``half_width``, ``bottom``, ``top``, mm; ``{"half_width": 0, ...}`` for none.
+        part
+            ``"half"`` (y ≥ 0; the default) or ``"whole"``.
+        material
+            Name of a known silicone (:func:`materials`), or ``law`` with its constants in MPa.
+        mesh
+            ``"draft"``, ``"standard"`` (the default) or ``"fine"``; or keys of ``[mesh]``: ``size``, ``element`` …
+        contact, obstacles, probes, solver
+            Tables of the case file.
+        title
+            Repeated in results.
+        """
+        lengths = {
+            "chamber_length": chamber_length,
+            "cavity_length": cavity_length,
+            "gap": gap,
+            "flange": flange,
+            "width": width,
+            "height": height,
+            "base": base,
+            "cavity_floor": cavity_floor,
+            "side_wall": side_wall,
+            "top_wall": top_wall,
+            "channel": channel,
+            "part": part,
+        }
+        keys: dict[str, Any] = {f"actuator.{key}": value for key, value in lengths.items() if value is not None}
+        keys |= {"title": title, "probe": list(probes)}
+        if pressures is not None:
+            keys["load.pressure_kpa"] = _list(pressures)
+        if material is not None:
+            keys["material"] = as_material(material)
+        if mesh is not None:
+            keys["mesh"] = {"resolution": mesh} if isinstance(mesh, str) else mesh
+        if contact is not None:
+            keys["contact"] = contact
+        if obstacles:
+            keys["obstacle"] = list(obstacles)
+        if solver is not None:
+            keys["solver"] = solver
+        if isinstance(chambers, bool) or not isinstance(chambers, (int, np.integer)) or not 1 <= chambers <= 10**6:
+            raise InputError(f"chambers = {chambers!r} must be a whole number from 1 on")
+        return cls(("from_text", "actuator", _native.template(int(chambers))), flat(keys))
+
+    @property
+    def length(self) -> float:
+        """Length of the actuator at rest, mm: the tip is at (length, 0, 0)."""
+        length = self._study.length
+        assert length is not None
+        return length
+
+    def __repr__(self) -> str:
+        values = self.values
+        chambers = values["actuator"]["chambers"]
+        pressures = ", ".join(f"{p:g}" for p in values["load"]["pressure_kpa"])
+        name = values["title"] or os.fspath(self._study.path)
+        words = "chamber" if chambers == 1 else "chambers"
+        return f"Case({name!r}, {chambers} {words}, {self.length:g} mm long, at {pressures} kPa)"
+
+
+class Model(Study):
+    """A body of any shape with materials, supports and loads on named sets of its nodes, faces and cells."""
+
+    _kinds = ("model", "deck")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], keys: Keys | None = None) -> Model:
+        """Reads a model file (TOML), or an input deck of Abaqus or CalculiX (``.inp``).
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong with a model file. Decks and meshes are read when they are checked or solved.
+        FileNotFoundError
+            If there is no such file.
+        """
+        return cls(("load", _existing(path)), flat(keys or {}))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        nodes: ArrayLike,
+        cells: ArrayLike,
+        *,
+        material: str | Keys | None = None,
+        node_sets: Mapping[str, ArrayLike] | None = None,
+        face_sets: Mapping[str, ArrayLike] | None = None,
+        cell_sets: Mapping[str, ArrayLike] | None = None,
+        element: str | None = None,
+        scale: float = 1.0,
+        regions: Sequence[Keys] = (),
+        supports: Sequence[Keys] = (),
+        equations: Sequence[Keys] = (),
+        cavities: Sequence[Keys] = (),
+        forces: Sequence[Keys] = (),
+        tractions: Sequence[Keys] = (),
+        pressures: Sequence[Keys] = (),
+        gravity: Keys | None = None,
+        contacts: Sequence[Keys] = (),
+        obstacles: Sequence[Keys] = (),
+        probes: Sequence[Keys] = (),
+        times: ArrayLike | None = None,
+        solver: Keys | None = None,
+        title: str = "",
+    ) -> Model:
+        """A model from numpy arrays.
+
+        Parameters
+        ----------
+        nodes
+            Positions of the nodes, mm, shape (n, 3).
+        cells
+            Nodes of every cell in VTK's order, from 0, shape (m, nodes of a cell): 8, 20 or 27 for hexahedra, 10 for tetrahedra.
+        material
+            Name of a known silicone (:func:`materials`), or ``law`` with its constants in MPa, e.g. ``{"law": "neo-hooke", "c10": 0.1}``.
+        node_sets, cell_sets
+            Named nodes or cells: numbers, or a truth value for each, e.g. ``{"clamp": nodes[:, 0] == 0}``.
+        face_sets
+            Named faces: cell and number of the face in it, shape (k, 2); or the nodes of every face, shape (k, nodes of a face), as
+            surface meshes have them; or a truth value for each node, for the faces of the surface all of whose nodes are meant.
+        element
+            ``hex27``, ``hex20``, ``tet10``, ``hex8-q1p0`` (the default for 8 nodes) or ``hex8-sri``.
+        scale
+            Millimetres per unit of length of the nodes.
+        regions, supports, equations, cavities, forces, tractions, pressures, gravity, contacts, obstacles, probes, solver
+            Tables of a model file, whose keys the guide lists, e.g. ``supports=[{"nodes": "clamp", "axes": "xyz"}]``,
+            ``cavities=[{"name": "air", "faces": "inside", "pressure_kpa": 20}]``. Values by time are a number, reached along a straight line,
+            or points ``[[time, value], ...]``.
+        times
+            Times at which results are wanted, increasing.
+        title
+            Repeated in results.
+
+        Raises
+        ------
+        InputError
+            Arrays of another shape, nodes that are not there, keys that do not exist or are out of range.
+        """
+        positions = matrix(nodes, 3, "nodes")
+        if scale != 1.0:
+            positions = positions * scale
+        connectivity = np.asarray(cells)
+        if connectivity.ndim != 2:
+            raise InputError(f"cells must have the shape (m, nodes of a cell), not {connectivity.shape}")
+        size = connectivity.shape[1]
+        if element is None:
+            if size not in VTK_CELLS:
+                help = "; add the nodes in the middle of the edges first" if size == 4 else ""
+                raise InputError(f"cells of {size} nodes cannot be solved: 8, 20 and 27 are hexahedra, 10 tetrahedra{help}")
+            element = VTK_CELLS[size]
+        several = {
+            "region": regions,
+            "support": supports,
+            "equation": equations,
+            "cavity": cavities,
+            "force": forces,
+            "traction": tractions,
+            "pressure": pressures,
+            "contact": contacts,
+            "obstacle": obstacles,
+            "probe": probes,
+        }
+        for key, rows in several.items():
+            if not isinstance(rows, Sequence) or isinstance(rows, str) or not all(isinstance(r, Mapping) for r in rows):
+                raise InputError(f"{key}: a list of tables is wanted, each with values by keys, not {rows!r:.100}")
+        several["region"] = [{**region, "material": as_material(region.get("material"))} for region in regions]
+        tables: dict[str, Any] = {
+            "title": title or None,
+            "material": as_material(material),
+            "gravity": gravity,
+            "solver": solver,
+            "load": {"times": _list(times)} if times is not None else None,
+        }
+        lines = [f"{key} = {to_toml(value, key)}" for key, value in tables.items() if value is not None]
+        for key, rows in several.items():
+            if rows:
+                inner = "".join(f"  {to_toml(row, key)},\n" for row in rows)
+                lines.append(f"{key} = [\n{inner}]")
+        count = len(positions)
+        source = (
+            "from_mesh",
+            title or "model",
+            "\n".join(lines) + "\n",
+            element,
+            positions.tobytes(),
+            numbers(connectivity, "cells", count),
+            members(node_sets, count, "node"),
+            faces(face_sets, count),
+            members(cell_sets, len(connectivity), "cell"),
+        )
+        return cls(source)
+
+    @classmethod
+    def from_mesh(cls, mesh: Any, **arguments: Any) -> Model:
+        """A model from a `meshio.Mesh` or a `pyvista.UnstructuredGrid` as it is; further arguments are those of :meth:`from_arrays`, whose
+        sets are added to the mesh's own.
+
+        Of meshio, `point_sets` and `cell_sets` become sets: of the solid cells sets of cells, of the faces sets of faces; physical groups of
+        Gmsh are among these. Of PyVista, arrays of truth values at points and cells become sets of that name.
+
+        Raises
+        ------
+        InputError
+            For a mesh without solid cells, of cells of several kinds, or of a kind that cannot be solved.
+        """
+        parts = parts_of(mesh)
+        for name in ("node_sets", "face_sets", "cell_sets"):
+            arguments[name] = {**getattr(parts, name), **(arguments.get(name) or {})}
+        return cls.from_arrays(parts.nodes, parts.cells, **arguments)
+
+    def __repr__(self) -> str:
+        if self._study.kind == "deck":
+            return f"Model({os.fspath(self._study.path)!r})"
+        values = self.values
+        name = values.get("title") or os.fspath(self._study.path)
+        if self._source[0] == "from_mesh":
+            count = len(self._source[4]) // 24
+            return f"Model({name!r}, {count} nodes, {self._source[3]})"
+        return f"Model({name!r})"

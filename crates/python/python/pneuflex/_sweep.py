@@ -1,0 +1,457 @@
+"""Many designs, on all cores or a cluster."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import math
+import os
+import pickle
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._errors import InputError, missing
+from ._processes import Processes, WorkerDied, available_memory, cores
+from ._result import Result, key_of_positions
+from ._space import Design, Grid, LatinHypercube, Sobol, designs_of
+from ._study import Case, Study, _list
+from ._toml import flat
+from ._worker import Row, Task, keep, replace, row_file, solve_design
+
+__all__ = ["Grid", "LatinHypercube", "Sobol", "Sweep", "sweep"]
+
+LARGE = 64 * 1024
+"""Bytes of a study that is read from the sweep's folder instead of being sent with every design."""
+
+MEMORY_SHARE = 0.8
+"""Share of the memory that is available that workers may fill, by their estimates."""
+
+TRIES = 3
+"""How often a design is handed to an executor that loses it."""
+
+
+class Sweep(Sequence[Row]):
+    """What became of the designs of a sweep, in their order. Each is a dict with ``design`` (its number), ``inputs``, ``status``, ``reason``,
+    ``message``, ``advice``, ``seconds``, ``cpu_seconds``, ``threads`` and ``states``: for every reached state its numbers.
+
+    ``status`` is that of a :class:`Result`, or ``bad-input`` (values that make no body), ``worker-died``, ``error``; ``open`` for a design
+    that is not finished yet.
+    """
+
+    def __init__(self, folder: Path, rows: list[Row]) -> None:
+        self.folder, self.rows = folder, rows
+
+    @classmethod
+    def open(cls, folder: str | os.PathLike[str]) -> Sweep:
+        """Opens the folder of a sweep, also of one that is still running or was killed."""
+        folder = Path(folder)
+        path = folder / "sweep.json"
+        if not path.is_file():
+            raise InputError(f"{folder} holds no sweep")
+        plan = json.loads(path.read_text(encoding="utf-8"))
+        return cls(folder, [_row_of(folder, i, **entry) for i, entry in enumerate(plan["designs"])])
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.rows[index]
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    @property
+    def failures(self) -> list[Row]:
+        """Designs that did not reach all that was asked for, with reasons."""
+        return [row for row in self.rows if row["status"] not in ("converged", "past-limit", "open")]
+
+    @property
+    def unfinished(self) -> list[Row]:
+        """Designs that are not finished yet."""
+        return [row for row in self.rows if row["status"] == "open"]
+
+    def table(self) -> list[dict[str, Any]]:
+        """One row for every reached state of every design: its number, inputs and status, what was found, time, reason. A design without any
+        state has one row."""
+        found = []
+        for row in self.rows:
+            plain = {key: json.dumps(v) if isinstance(v, (dict, list)) else v for key, v in row["inputs"].items()}
+            head = {"design": row["design"], **plain, "status": row["status"]}
+            tail = {key: row.get(key) for key in ("reason", "message", "seconds", "cpu_seconds", "threads")}
+            for state in row["states"] or [{}]:
+                found.append({**head, **state, **tail})
+        return found
+
+    def to_dataframe(self) -> Any:
+        """:meth:`table` as a `pandas.DataFrame`."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise missing("pandas", "to_dataframe()") from error
+        return pandas.DataFrame(self.table())
+
+    def result(self, design: int) -> Result:
+        """The result of a design whose fields were kept."""
+        return Result.open(_record(self.folder, self.rows[design]["identity"]))
+
+    def write(self) -> Path:
+        """Writes the table into the folder: `table.parquet` where pyarrow is there, otherwise `table.csv`; returns its path."""
+        rows = self.table()
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        # What stands behind the numbers stays there, whichever design had them first.
+        last = ["reason", "message", "seconds", "cpu_seconds", "threads"]
+        names = [name for name in names if name not in last] + last
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ImportError:
+            text = io.StringIO()
+            writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+            path = self.folder / "table.csv"
+            replace(path, text.getvalue().encode())
+            return path
+        columns = {name: _alike([row.get(name) for row in rows]) for name in names}
+        buffer = io.BytesIO()
+        pyarrow.parquet.write_table(pyarrow.table(columns), buffer)
+        path = self.folder / "table.parquet"
+        replace(path, buffer.getvalue())
+        return path
+
+    def __repr__(self) -> str:
+        done, failed = len(self) - len(self.unfinished), len(self.failures)
+        lines = [f"<Sweep in {self.folder}: {done} of {len(self)} designs finished, {failed} of them failed>"]
+        reasons: dict[str, int] = {}
+        for row in self.failures:
+            reason = row["reason"] or row["status"]
+            reasons[reason] = reasons.get(reason, 0) + 1
+        lines += [f"  {count} × {reason}" for reason, count in sorted(reasons.items(), key=lambda item: -item[1])]
+        return "\n".join(lines)
+
+
+def _alike(values: list[Any]) -> list[Any]:
+    """Values of one type, as a column of Parquet has them."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds <= {int, float} or len(kinds) <= 1:
+        return [float(v) if v is not None and kinds == {int, float} else v for v in values]
+    return [None if value is None else str(value) for value in values]
+
+
+def sweep(
+    study: Study,
+    space: Any,
+    executor: Executor | None = None,
+    *,
+    out: str | os.PathLike[str],
+    pressures: ArrayLike | None = None,
+    times: ArrayLike | None = None,
+    fields: bool = False,
+    workers: int | None = None,
+    threads: int | None = None,
+    progress: bool = True,
+    on_row: Callable[[Row], object] | None = None,
+) -> Sweep:
+    """Solves many designs. What is finished is kept whatever dies, and not solved again: the same call goes on, also with more designs.
+
+    Parameters
+    ----------
+    study
+        The case or model whose keys are set.
+    space
+        Values by keys, every combination of which is a design (a :class:`Grid`); a :class:`LatinHypercube` or :class:`Sobol` sequence; a list of
+        designs, each with values by keys; or a table of pandas, one design in each row.
+    executor
+        Where designs are solved: any `concurrent.futures.Executor`, e.g. Dask's ``client.get_executor()`` for a cluster, whose workers should
+        reach `out`. Without one, processes of this machine.
+    out
+        Folder of the sweep: `table.parquet` (`table.csv` without pyarrow), a file per design in `rows`, and with `fields` a result folder per
+        design in `designs`.
+    pressures, times
+        As for :meth:`Study.solve`, for all designs.
+    fields
+        Whether every design's fields and report are kept: :meth:`Sweep.result`.
+    workers, threads
+        Number of processes of this machine, and of threads that each design is solved with. Unless told otherwise as many processes as there
+        are cores, or as have room in the memory by the largest design's estimate (:meth:`Study.check`); cores that are left over are
+        shared out as threads. With an executor one thread.
+    progress
+        Whether a line on standard error says how far the sweep is, how many designs have failed, and the time left.
+    on_row
+        Called with the row of every design as it is finished.
+
+    Returns
+    -------
+    Sweep
+        Designs that could not be solved are rows, too, with their reason.
+
+    Raises
+    ------
+    InputError
+        A key that no design can have, values that are out of range in every design, a folder that holds something else.
+    KeyboardInterrupt
+        Ctrl-C; what is finished is kept.
+    """
+    if executor is not None and workers is not None:
+        raise InputError("workers are those of this machine: give either these or an executor")
+    for name, number in (("workers", workers), ("threads", threads)):
+        if number is not None and number < 1:
+            raise InputError(f"{name} = {number} must be at least 1")
+    base = study.copy()
+    key = key_of_positions(base._study, _list(pressures), _list(times))
+    if key is not None:
+        base.set({key: _list(pressures if pressures is not None else times)})
+    designs = designs_of(space)
+    memory = _checked(base, designs)
+    folder = Path(out).absolute()
+    with _held(folder):
+        origin = _origin(base)
+        entries = [{"identity": _identity(origin, fields, design), "inputs": _plain(design)} for design in designs]
+        _begin(folder, origin, entries, base)
+        rows = {entry["identity"]: _row_of(folder, i, **entry) for i, entry in reversed(list(enumerate(entries)))}
+        left = [entry for entry in entries if rows[entry["identity"]]["status"] == "open"]
+        # A design that is there twice is solved once.
+        left = list({entry["identity"]: entry for entry in left}.values())
+        by_identity = {entry["identity"]: design for entry, design in zip(entries, designs, strict=True)}
+        share = _share(len(left), memory, workers, threads) if executor is None else (0, threads or 1)
+        data: bytes | str = pickle.dumps(base)
+        if len(data) > LARGE:
+            replace(folder / "base.pickle", bytes(data) if isinstance(data, bytes) else b"")
+            data = str(folder / "base.pickle")
+        record = (lambda identity: str(_record(folder, identity))) if fields else (lambda identity: None)
+        tasks = [
+            Task(e["identity"], by_identity[e["identity"]], data, str(folder), record(e["identity"]), share[1]) for e in left
+        ]
+        teller = _Teller(len(entries), len(entries) - len(left), progress)
+        teller.failed = sum(row["status"] not in ("converged", "past-limit", "open") for row in rows.values())
+        pool = executor if executor is not None else Processes(share[0]) if tasks else None
+        is_done = False
+        try:
+            if pool is not None:
+                for row in _solved(pool, tasks):
+                    if not row_file(folder, row["identity"]).exists():
+                        keep(folder, row)
+                    teller.row(row)
+                    if on_row is not None:
+                        on_row(row)
+            is_done = True
+        finally:
+            if isinstance(pool, Processes):
+                pool.shutdown(cancel_futures=not is_done)
+            teller.finish()
+            found = Sweep(folder, [_row_of(folder, i, **entry) for i, entry in enumerate(entries)])
+            found.write()
+    return found
+
+
+def _solved(pool: Executor, tasks: list[Task]) -> Iterator[Row]:
+    """Rows as they come. What the executor loses is handed to it again."""
+    tries = {task.identity: 1 for task in tasks}
+    pending: dict[Future[Row], Task] = {pool.submit(solve_design, task): task for task in tasks}
+    try:
+        while pending:
+            done, _ = wait(pending, timeout=1.0, return_when=FIRST_COMPLETED)
+            for future in done:
+                task = pending.pop(future)
+                try:
+                    row = future.result()
+                except WorkerDied as error:
+                    row = _lost(task, str(error))
+                except Exception as error:
+                    if tries[task.identity] >= TRIES:
+                        raise RuntimeError(
+                            f"the executor has lost a design {TRIES} times ({error!r}); what is finished is kept in {task.folder}, and the "
+                            "same call goes on"
+                        ) from error
+                    tries[task.identity] += 1
+                    # A pool that is broken refuses at once, by an error of its own.
+                    pending[pool.submit(solve_design, task)] = task
+                    continue
+                yield row
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def _lost(task: Task, words: str) -> Row:
+    row: Row = {"identity": task.identity, "status": "worker-died", "reason": "worker-died", "message": words}
+    return row | {"advice": "", "states": [], "seconds": math.nan, "cpu_seconds": math.nan, "threads": task.threads}
+
+
+def _checked(base: Study, designs: list[Design]) -> float | None:
+    """The largest estimate of memory, bytes. Fails if no design can be read: a key is misspelt, or everything is out of range."""
+    first, largest, is_any = None, None, False
+    for design in designs:
+        try:
+            estimate = base.copy().set(design)._study.estimate
+            is_any = True
+        except InputError as error:
+            # A key that is unknown is so in all designs, and a slip.
+            if first is None or any("unknown key" in problem.message for problem in error.problems):
+                first = error
+            if any("unknown key" in problem.message for problem in error.problems):
+                raise
+            continue
+        if estimate is not None:
+            largest = max(largest or 0.0, estimate[1])
+    if not is_any and first is not None:
+        raise first
+    if largest is None and not isinstance(base, Case):
+        # A mesh does not change with the design.
+        largest = base.check(force=True).memory_bytes
+    return largest
+
+
+def _share(designs: int, memory: float | None, workers: int | None, threads: int | None) -> tuple[int, int]:
+    """Numbers of workers and of threads of each."""
+    all_cores = cores()
+    if workers is None:
+        workers = max(1, min(designs, all_cores // (threads or 1)))
+        available = available_memory()
+        if memory and available:
+            workers = max(1, min(workers, int(MEMORY_SHARE * available / memory)))
+    return workers, threads or max(1, all_cores // workers)
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if hasattr(value, "material"):
+        return value.material
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple, range)):
+        return [_plain(entry) for entry in value]
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def _origin(base: Study) -> str:
+    """A number for what all designs have in common: the values, the mesh or the files, the version."""
+    digest = hashlib.blake2b(digest_size=16)
+    values = base.values
+    # Where it was read from makes no difference.
+    digest.update(json.dumps([_native.VERSION, type(base).__name__, values], sort_keys=True).encode())
+    for part in base._source[3:] if base._source[0] == "from_mesh" else ():
+        digest.update(pickle.dumps(part))
+    if base._source[0] == "load":
+        path = Path(base._source[1])
+        digest.update(path.read_bytes())
+        body = path.parent / values.get("model", {}).get("file", "")
+        if body.is_file():
+            digest.update(body.read_bytes())
+    return digest.hexdigest()
+
+
+def _identity(origin: str, fields: bool, design: Design) -> str:
+    pairs = sorted(flat({key: _plain(value) for key, value in design.items()}))
+    text = json.dumps([origin, fields, pairs])
+    return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
+
+
+def _record(folder: Path, identity: str) -> Path:
+    return folder / "designs" / identity
+
+
+def _row_of(folder: Path, number: int, identity: str, inputs: dict[str, Any]) -> Row:
+    path = row_file(folder, identity)
+    row: Row = {"identity": identity, "status": "open", "reason": None, "message": "", "advice": "", "states": []}
+    try:
+        row = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        pass
+    return {"design": number, "inputs": inputs, **row}
+
+
+def _begin(folder: Path, origin: str, entries: list[dict[str, Any]], base: Study) -> None:
+    path = folder / "sweep.json"
+    if path.is_file():
+        try:
+            old = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise InputError(f"{path}: damaged: {error}") from error
+        if old.get("version") != _native.VERSION:
+            raise InputError(f"{folder} holds a sweep of pneuflex {old.get('version')}: choose another folder")
+        if old.get("origin") != origin:
+            changed = [k for k in base.values if base.values[k] != old.get("values", {}).get(k)]
+            words = f" ({', '.join(changed)} differ)" if changed else ""
+            raise InputError(f"{folder} holds a sweep of another case{words}: choose another folder")
+    elif any(entry.name != ".lock" for entry in folder.iterdir()):
+        raise InputError(f"{folder} holds files that are no sweep: choose another folder; nothing was touched")
+    (folder / "rows").mkdir(exist_ok=True)
+    for part in (folder / "rows").glob(".*.part"):
+        part.unlink(missing_ok=True)
+    plan = {"program": "pneuflex", "version": _native.VERSION, "origin": origin, "values": base.values, "designs": entries}
+    replace(path, json.dumps(plan, indent=1).encode())
+
+
+@contextmanager
+def _held(folder: Path) -> Iterator[None]:
+    """Keeps other sweeps out of a folder; the system forgets it when this process ends, however it ends."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = open(folder / ".lock", "ab")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written to: {error}") from error
+    with lock:
+        try:
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except ImportError:
+            pass
+        except BlockingIOError as error:
+            raise InputError(f"{folder}: another sweep is writing to this folder") from error
+        except OSError:
+            # A file system without locks: nothing can be promised, but nothing is wrong either.
+            pass
+        yield
+
+
+class _Teller:
+    """One line that is written over and over."""
+
+    def __init__(self, count: int, done: int, is_on: bool) -> None:
+        self.count, self.done, self.begun_with, self.is_on = count, done, done, is_on
+        self.failed, self.began, self.width, self.last = 0, time.monotonic(), 0, 0.0
+
+    def row(self, row: Row) -> None:
+        self.done += 1
+        self.failed += row["status"] not in ("converged", "past-limit")
+        if time.monotonic() - self.last > 0.2:
+            self.last = time.monotonic()
+            self.say("\r")
+
+    def say(self, begin: str) -> None:
+        if not self.is_on:
+            return
+        spent, solved = time.monotonic() - self.began, self.done - self.begun_with
+        line = f"{self.done} of {self.count} designs, {self.failed} failed"
+        if solved and self.done < self.count:
+            line += f", about {_duration(spent / solved * (self.count - self.done))} left"
+        elif solved:
+            line += f", {_duration(spent)}"
+        sys.stderr.write(begin + line.ljust(self.width))
+        sys.stderr.flush()
+        self.width = len(line)
+
+    def finish(self) -> None:
+        self.say("\r")
+        if self.is_on:
+            sys.stderr.write("\n")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,198 @@
+"""Bodies from arrays, meshio and PyVista."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import FIXTURES
+
+from pneuflex import Case, InputError, Model
+
+# A plate of 4 x 1 hexahedra, 8 mm x 2 mm x 1 mm, whose nodes are numbered as a lattice's.
+NODES = np.array([[2.0 * (n // 4), 2.0 * (n // 2 % 2), n % 2] for n in range(20)])
+CELLS = np.array([[4 * i + n for n in (0, 4, 6, 2, 1, 5, 7, 3)] for i in range(4)])
+
+
+def plate(**arguments: Any) -> Model:
+    given: dict[str, Any] = {
+        "material": {"law": "neo-hooke", "c10": 0.1},
+        "node_sets": {"clamp": NODES[:, 0] == 0},
+        "face_sets": {"bottom": NODES[:, 2] == 0},
+        "supports": [{"nodes": "clamp", "axes": "xyz"}],
+        "pressures": [{"faces": "bottom", "pressure_kpa": 0.5}],
+        "probes": [{"name": "tip", "at": [8, 0, 0]}],
+        "times": [0.5, 1.0],
+    }
+    return Model.from_arrays(NODES, CELLS, **given | arguments)
+
+
+def test_a_body_from_arrays_is_solved_and_kept(tmp_path: Any) -> None:
+    model = plate()
+    result = model.solve(threads=1)
+    assert result.time.tolist() == [0.5, 1.0] and result.probes["tip"].shape == (2, 3) and result.tip[-1, 2] > 0.1
+    assert np.array_equal(result[0].points, NODES) and np.isnan(result.end_face_angle_deg).all()
+    assert set(result.reactions) == {"clamp"}
+    again = pickle.loads(pickle.dumps(model)).solve(threads=1)
+    assert np.array_equal(again[-1].displacement, result[-1].displacement)
+    opened = type(result).open(result.save(tmp_path / "plate"))
+    assert np.array_equal(opened[-1].points, NODES) and np.array_equal(opened.tip, result.tip)
+    # Its load grows up to the last time: at the time 1 there would be half of it if the last time were 2.
+    for kept in (opened, result):
+        with pytest.raises(InputError, match="other loads"):
+            kept.resume(times=[2.0], threads=1)
+    given = plate(pressures=[{"faces": "bottom", "pressure_kpa": [[0, 0], [2, 1.0]]}])
+    further = given.solve(threads=1).resume(times=[2.0], threads=1)
+    straight = given.solve(times=[0.5, 1.0, 2.0], threads=1)
+    assert further.time.tolist() == [0.5, 1.0, 2.0] and np.allclose(further.tip, straight.tip, rtol=1e-6)
+    assert repr(model) == "Model('model', 20 nodes, hex8-q1p0)"
+
+
+def test_sets_of_faces_may_be_given_in_three_ways() -> None:
+    wanted = plate().check().face_sets["bottom"]
+    bottom = CELLS[:, [0, 1, 2, 3]]
+    assert len(wanted) == 4
+    for given in (wanted, bottom, bottom[:, ::-1], NODES[:, 2] == 0):
+        assert np.array_equal(plate(face_sets={"bottom": given}).check().face_sets["bottom"], wanted)
+
+
+def test_bad_arrays_are_refused() -> None:
+    def bad(match: str, **arguments: Any) -> None:
+        with pytest.raises(InputError, match=match):
+            plate(**arguments).check()
+
+    bad(r'node_sets\["clamp"\] has 20', node_sets={"clamp": [0, 20]})
+    bad(r'node_sets\["clamp"\] has the shape', node_sets={"clamp": np.ones(19, bool)})
+    bad("whole numbers", node_sets={"clamp": [0.5]})
+    bad("cell 1 has no face 6", face_sets={"bottom": [[1, 6]]})
+    bad("cell 4 has no face 0", face_sets={"bottom": [[4, 0]]})
+    bad("not the nodes of a face", face_sets={"bottom": [[0, 1, 2, 7]]})
+    bad("must have the shape", face_sets={"bottom": [1, 2]})
+    bad("set .* clamp|clamp", supports=[{"nodes": "clmap", "axes": "xyz"}])
+    bad("did you mean `axes`", supports=[{"nodes": "clamp", "axis": "xyz"}])
+    bad("hold", supports=[])
+    bad("members by name", node_sets=[0, 1])
+    bad("a list of tables is wanted", supports={"nodes": "clamp", "axes": "xyz"})
+    bad("must be one of hex8-sri, hex8-q1p0", element="hex9")
+    for nodes, cells, match in [
+        (NODES[:, :2], CELLS, r"shape \(n, 3\)"),
+        (NODES, CELLS[:, :4], "nodes in the middle of the edges"),
+        (NODES, CELLS + 1, "has 20"),
+        (NODES, CELLS.astype(float), "whole numbers"),
+        (NODES * np.nan, CELLS, "not finite"),
+        (NODES, CELLS[:0], "no cells"),
+        (NODES.astype(str), CELLS, "numbers"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            Model.from_arrays(nodes, cells)
+    # A cell that is inside out, and one without volume.
+    for cells in (CELLS[:, [4, 5, 6, 7, 0, 1, 2, 3]], CELLS[:, [0, 0, 0, 0, 1, 1, 1, 1]]):
+        with pytest.raises((InputError, RuntimeError)):
+            model = Model.from_arrays(NODES, cells, node_sets={"clamp": [0, 1, 2, 3]}, times=[1.0])
+            model.set({"support": [{"nodes": "clamp", "axes": "xyz"}]}).solve()
+
+
+def test_models_and_decks_are_read() -> None:
+    model = Model.load(FIXTURES / "models/gripper.toml")
+    assert "obstacle" in model.values
+    with pytest.raises(InputError, match=r"Case.load"):
+        Model.load(FIXTURES / "two_chamber.toml")
+    decks = sorted((FIXTURES / "models").glob("*.inp")) or sorted(FIXTURES.rglob("*.inp"))
+    deck = Model.load(decks[0])
+    assert deck.values == {} and decks[0].name in repr(deck)
+    with pytest.raises(InputError, match="no keys"):
+        deck.set({"title": "x"})
+
+
+def test_meshes_of_meshio_are_taken_as_they_are() -> None:
+    meshio = pytest.importorskip("meshio")
+    # A point of the geometry that no cell has comes first, as Gmsh writes it.
+    points = np.vstack([[[9.0, 9.0, 9.0]], NODES])
+    mesh = meshio.Mesh(
+        points,
+        [("quad", CELLS[:, [0, 1, 2, 3]] + 1), ("hexahedron", CELLS[:2] + 1), ("hexahedron", CELLS[2:] + 1)],
+        point_sets={"clamp": np.flatnonzero(points[:, 0] == 0)},
+        cell_data={"gmsh:physical": [np.full(4, 7), np.full(2, 8), np.full(2, 9)]},
+        field_data={"bottom": np.array([7, 2]), "soft": np.array([9, 3])},
+    )
+    arguments: dict[str, Any] = {
+        "supports": [{"nodes": "clamp", "axes": "xyz"}],
+        "pressures": [{"faces": "bottom", "pressure_kpa": 0.5}],
+        "material": {"law": "neo-hooke", "c10": 0.1},
+        "times": [1.0],
+    }
+    model = Model.from_mesh(mesh, **arguments)
+    check = model.check()
+    assert check.cell_sets["soft"].tolist() == [2, 3] and len(check.face_sets["bottom"]) == 4
+    result = model.solve(threads=1)
+    assert np.allclose(result[-1].displacement, plate(times=[1.0]).solve(threads=1)[-1].displacement, atol=1e-14)
+    with pytest.raises(InputError, match="tetra cannot be solved"):
+        Model.from_mesh(meshio.Mesh(NODES, [("tetra", [[0, 1, 2, 4]])]))
+    with pytest.raises(InputError, match="no solid cells"):
+        Model.from_mesh(meshio.Mesh(NODES, [("quad", CELLS[:, :4])]))
+
+
+def test_meshes_of_pyvista_are_taken_as_they_are() -> None:
+    pyvista = pytest.importorskip("pyvista")
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: CELLS}, NODES)
+    grid.point_data["clamp"] = NODES[:, 0] == 0
+    grid.cell_data["soft"] = np.array([False, False, True, True])
+    check = Model.from_mesh(
+        grid,
+        face_sets={"bottom": NODES[:, 2] == 0},
+        supports=[{"nodes": "clamp", "axes": "xyz"}],
+        material={"law": "neo-hooke", "c10": 0.1},
+        regions=[{"name": "soft", "elements": "soft", "material": "dragon-skin-30"}],
+        times=[1.0],
+    ).check()
+    assert check.cell_sets["soft"].tolist() == [2, 3] and len(check.node_sets["clamp"]) == 4
+    with pytest.raises(InputError, match="tetra cannot be solved"):
+        Model.from_mesh(pyvista.UnstructuredGrid({pyvista.CellType.TETRA: np.array([[0, 1, 2, 4]])}, NODES))
+    with pytest.raises(InputError, match="neither"):
+        Model.from_mesh("mesh.vtu")
+
+
+@pytest.mark.parametrize("element, kind", [("hex27", 29), ("hex20", 25), ("tet10", 24), ("hex8-q1p0", 12)])
+def test_meshes_are_those_of_vtk(element: str, kind: int) -> None:
+    pytest.importorskip("pyvista")
+    check = Case.actuator(1, mesh={"size": 6, "element": element}).check()
+    mesh = check.mesh()
+    assert set(mesh.celltypes) == {kind} and mesh.n_points == check.nodes
+    sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
+    assert (sizes > 0).all() and np.isclose(sizes.sum(), check.volume_mm3, rtol=1e-6)
+
+
+def test_states_are_meshes_of_pyvista() -> None:
+    pytest.importorskip("pyvista")
+    case = Case.actuator(1, pressures=[2], mesh={"size": 6, "element": "hex27"})
+    state = case.solve(threads=1)[0]
+    mesh, bent = state.mesh(), state.mesh(deformed=True)
+    assert np.allclose(mesh.warp_by_vector("displacement").points, bent.points)
+    assert mesh.n_cells == len(mesh["pressure"]) and np.array_equal(mesh["von_mises"], state.von_mises)
+    # As it came, it goes back.
+    again = Model.from_mesh(mesh, times=[1.0], material="dragon-skin-30", node_sets={"all": np.arange(mesh.n_points)})
+    held = again.set({"support": [{"nodes": "all", "axes": "xyz"}]}).check()
+    assert held.element == "hex27" and held.cells == mesh.n_cells and np.array_equal(held.points, state.points)
+
+
+def test_tables_and_curves(solved: Any) -> None:
+    pandas = pytest.importorskip("pandas")
+    table = solved.to_dataframe()
+    assert isinstance(table, pandas.DataFrame) and table["pressure_kpa"].tolist() == [1, 2, 3]
+    assert np.array_equal(table["tip.z_mm"], solved.tip[:, 2])
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    assert len(solved.plot_curves().axes) == 4
+
+
+def test_what_needs_another_package_says_so(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    for package, use in [
+        ("pyvista", solved.mesh),
+        ("pandas", solved.to_dataframe),
+        ("matplotlib", solved.plot_curves),
+    ]:
+        monkeypatch.setitem(__import__("sys").modules, package, None)
+        with pytest.raises(ImportError, match=f"pip install {package}"):
+            use()

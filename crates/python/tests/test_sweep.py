@@ -1,0 +1,257 @@
+"""Sweeps: every design once, whatever dies."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import small_case
+
+import pneuflex
+from pneuflex import Grid, InputError, LatinHypercube, Sobol, Sweep
+
+GAPS = [1.0, 1.5, 2.0, 2.5]
+
+
+def test_a_grid_is_solved_once(tmp_path: Path) -> None:
+    case = small_case(pressures=[1, 2])
+    seen: list[str] = []
+    space = {"actuator.gap": GAPS[:3], "material": ["dragon-skin-30", "ecoflex-00-30"]}
+    found = pneuflex.sweep(case, space, out=tmp_path, progress=False, on_row=lambda row: seen.append(row["identity"]))
+    assert len(found) == len(seen) == 6 and not found.failures and not found.unfinished
+    assert [row["inputs"]["actuator.gap"] for row in found] == [1.0, 1.0, 1.5, 1.5, 2.0, 2.0]
+    alone = case.copy().set({"actuator.gap": 1.5, "material": "ecoflex-00-30"}).solve(threads=1)
+    assert [state["end_face_angle_deg"] for state in found[3]["states"]] == alone.end_face_angle_deg.tolist()
+    table = found.table()
+    assert len(table) == 12 and [row["design"] for row in table] == [i // 2 for i in range(12)]
+    # Once more, with one design more, and one that is there twice: only what is new is solved.
+    seen.clear()
+    more = [*Grid(space).designs(), {"actuator.gap": 2.5}, {"actuator.gap": 2.5}, {"actuator.gap": -1.0}]
+    again = pneuflex.sweep(case, more, out=tmp_path, progress=False, on_row=lambda row: seen.append(row["identity"]))
+    assert len(seen) == 2 and len(again) == 9 and again[6]["states"] == again[7]["states"] != []
+    assert again[8]["status"] == "bad-input" and "greater than 0 mm" in again[8]["message"] and again.failures == [again[8]]
+    assert "9 of 9 designs finished, 1 of them failed" in repr(again) and Sweep.open(tmp_path).rows == again.rows
+    with pytest.raises(InputError, match=r"another case \(load, solver differ\)"):
+        pneuflex.sweep(case, space, out=tmp_path, pressures=[3], progress=False)
+
+
+def test_tables_are_those_of_parquet_and_csv(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = small_case(pressures=[1])
+    designs = [{"actuator.gap": 1.0}, {"actuator.gap": -1.0}, {"actuator.gap": 2.0}]
+    with ThreadPoolExecutor(2) as pool:
+        found = pneuflex.sweep(case, designs, pool, out=tmp_path, progress=False)
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "pyarrow", None)
+        path = found.write()
+    rows = list(csv.DictReader(path.open()))
+    assert [row["design"] for row in rows] == ["0", "1", "2"] and rows[1]["status"] == "bad-input"
+    angle = found[2]["states"][0]["end_face_angle_deg"]
+    assert float(rows[2]["end_face_angle_deg"]) == angle and float(rows[0]["seconds"]) > 0
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(found.write()).to_pylist()
+    assert table[2]["end_face_angle_deg"] == angle and table[1]["end_face_angle_deg"] is None
+
+
+def test_spaces_of_designs() -> None:
+    assert len(Grid({"a": [1, 2], "b": np.array([3, 4, 5])}).designs()) == 6
+    with pytest.raises(InputError, match="no values for b"):
+        Grid({"a": [1], "b": []}).designs()
+    pytest.importorskip("scipy")
+    ranges: dict[str, Any] = {"actuator.gap": (1.0, 2.0), "actuator.chambers": (2, 4), "mesh.element": ["hex27", "tet10"]}
+    for kind in (LatinHypercube, Sobol):
+        designs = kind(ranges, count=12, seed=3).designs()
+        assert designs == kind(ranges, count=12, seed=3).designs() != kind(ranges, count=12, seed=4).designs()
+        assert len(designs) == 12 and all(1 <= d["actuator.gap"] <= 2 for d in designs)
+        assert {d["actuator.chambers"] for d in designs} == {2, 3, 4}
+        assert {d["mesh.element"] for d in designs} == {"hex27", "tet10"}
+    assert Sobol(ranges, count=9).designs()[:8] == Sobol(ranges, count=8).designs()
+    bins = sorted(int(d["actuator.gap"] * 12) for d in LatinHypercube(ranges, count=12).designs())
+    assert bins == list(range(12, 24))
+    for bad in ((2.0, 1.0), 3, []):
+        with pytest.raises(InputError, match="a"):
+            LatinHypercube({"a": bad}, count=2)  # type: ignore[dict-item]
+
+
+def test_slips_are_said_before_anything_is_solved(tmp_path: Path) -> None:
+    case = small_case()
+    out = tmp_path / "sweep"
+    for space, match in [
+        ({"actuator.gpa": [1, 2]}, "did you mean `gap`"),
+        ({"actuator.gap": [-1, -2]}, "greater than 0 mm"),
+        ([], "no designs"),
+        (3, "is no space of designs"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            pneuflex.sweep(case, space, out=out, progress=False)
+        assert not out.exists()
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="nothing was touched"):
+        pneuflex.sweep(case, {"actuator.gap": [1]}, out=tmp_path, progress=False)
+    with pytest.raises(InputError, match="workers"):
+        pneuflex.sweep(case, {"actuator.gap": [1]}, out=out, workers=0)
+
+
+def test_fields_of_every_design_are_kept_when_asked_for(tmp_path: Path) -> None:
+    found = pneuflex.sweep(small_case(pressures=[1]), {"actuator.gap": [1.0]}, out=tmp_path, fields=True, progress=False)
+    result = found.result(0)
+    assert result.end_face_angle_deg[0] == found[0]["states"][0]["end_face_angle_deg"] and len(result[0].displacement)
+    assert (result.folder or Path()) / "report.html"
+
+
+class Losing(Executor):
+    """Loses every design once, as a cluster does whose worker has died."""
+
+    def __init__(self) -> None:
+        self.lost: set[str] = set()
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if args[0].identity in self.lost:
+            future.set_result(fn(*args))
+        else:
+            self.lost.add(args[0].identity)
+            future.set_exception(ConnectionError("the worker has gone"))
+        return future
+
+
+def test_what_an_executor_loses_is_solved_again(tmp_path: Path) -> None:
+    found = pneuflex.sweep(small_case(pressures=[1]), {"actuator.gap": GAPS[:2]}, Losing(), out=tmp_path, progress=False)
+    assert [row["status"] for row in found] == ["converged"] * 2
+
+
+SCRIPT = """
+import sys, pneuflex
+case = pneuflex.Case.actuator(2, flange=0, pressures=[1, 2, 3], mesh={"size": 2.5, "element": "hex8-q1p0"})
+pneuflex.sweep(case, {"actuator.gap": [1 + i / 20 for i in range(12)]}, out=sys.argv[1], workers=2, progress=False,
+               on_row=lambda row: print(row["identity"], flush=True))
+"""
+
+
+def children(pid: int) -> list[int]:
+    text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+    found = [int(word) for word in text.split()]
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        found += [int(word) for word in (task / "children").read_text().split()]
+    return sorted(set(found))
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks into /proc")
+def test_killed_workers_and_drivers_lose_and_repeat_nothing(tmp_path: Path) -> None:
+    out = tmp_path / "sweep"
+    package = str(Path(pneuflex.__file__).parents[1])
+    environment = os.environ | {"PYTHONPATH": package}
+
+    def start() -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", SCRIPT, str(out)]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+
+    driver = start()
+    assert driver.stdout is not None
+    driver.stdout.readline()
+    # Two workers die, one after the other, then the driver.
+    for _ in range(2):
+        worker = children(driver.pid)[0]
+        os.kill(worker, signal.SIGKILL)
+        driver.stdout.readline()
+    orphans = children(driver.pid)
+    driver.kill()
+    driver.wait()
+    deadline = time.monotonic() + 10
+    while any(Path(f"/proc/{pid}").exists() for pid in orphans) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(Path(f"/proc/{pid}").exists() for pid in orphans), "a worker outlives its driver"
+    before = {path.name: path.stat().st_mtime_ns for path in (out / "rows").glob("[!.]*.json")}
+    assert 3 <= len(before) < 12
+    assert len(Sweep.open(out).unfinished) == 12 - len(before)
+    driver = start()
+    said, _ = driver.communicate(timeout=120)
+    assert driver.returncode == 0 and len(said.split()) == 12 - len(before)
+    assert not set(said.split()) & {name.removesuffix(".json") for name in before}
+    after = {path.name: path.stat().st_mtime_ns for path in (out / "rows").glob("[!.]*.json")}
+    assert len(after) == 12 and before.items() <= after.items()
+    found = Sweep.open(out)
+    assert not found.failures and not found.unfinished
+    assert [row["design"] for row in found.table()] == [i // 3 for i in range(36)]
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks into /proc")
+def test_ctrl_c_ends_a_sweep_and_keeps_what_is_finished(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(pneuflex.__file__).parents[1])}
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    driver = subprocess.Popen(command, text=True, env=environment, **streams)
+    assert driver.stdout is not None
+    driver.stdout.readline()
+    workers = children(driver.pid)
+    driver.send_signal(signal.SIGINT)
+    _, said = driver.communicate(timeout=60)
+    assert "KeyboardInterrupt" in said and len(workers) == 2
+    assert not any(Path(f"/proc/{pid}").exists() for pid in workers)
+    found = Sweep.open(tmp_path)
+    assert 0 < len(found.unfinished) < 12 and list(tmp_path.glob("table.*"))
+
+
+def test_a_design_that_kills_its_workers_is_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pneuflex._processes import Processes, WorkerDied
+    from pneuflex._worker import Task
+
+    pool = Processes(1)
+    # What cannot be read ends the worker, each time.
+    future = pool.submit(None, _Deadly())  # type: ignore[arg-type]
+    with pytest.raises(WorkerDied, match="died 3 times"):
+        future.result(timeout=60)
+    task = Task("a", {}, b"", str(tmp_path), None, 1)
+    assert pneuflex._sweep._lost(task, "x")["status"] == "worker-died"
+    pool.shutdown()
+
+
+class _Deadly:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os._exit, (9,)
+
+
+def test_two_sweeps_do_not_share_a_folder(tmp_path: Path) -> None:
+    case = small_case(pressures=[1])
+
+    def other(_: Any) -> None:
+        with pytest.raises(InputError, match="another sweep is writing"):
+            pneuflex.sweep(case, {"actuator.gap": [1.0]}, out=tmp_path, progress=False)
+
+    pneuflex.sweep(case, {"actuator.gap": [1.0]}, out=tmp_path, progress=False, on_row=other)
+
+
+def test_models_are_swept(tmp_path: Path) -> None:
+    from test_models import plate
+
+    model = plate(times=[1.0])
+    found = pneuflex.sweep(model, {"material.c10": [0.1, 0.2]}, out=tmp_path, progress=False)
+    assert [row["status"] for row in found] == ["converged"] * 2
+    soft, stiff = (row["states"][0]["probe.tip.z_mm"] for row in found)
+    assert 1.8 < soft / stiff < 2.1
+
+
+def test_progress_says_what_is_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with ThreadPoolExecutor(1) as pool:
+        pneuflex.sweep(small_case(pressures=[1]), {"actuator.gap": [1.0, -1.0]}, pool, out=tmp_path)
+    assert "2 of 2 designs, 1 failed" in capsys.readouterr().err
+    assert json.loads((tmp_path / "sweep.json").read_text())["program"] == "pneuflex"
+
+
+def test_a_cluster_of_dask_solves_the_same(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    case, space = small_case(pressures=[1, 2]), {"actuator.gap": GAPS}
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            found = pneuflex.sweep(case, space, client.get_executor(pure=False), out=tmp_path / "dask", progress=False)
+    here = pneuflex.sweep(case, space, out=tmp_path / "here", progress=False, threads=1)
+    assert [row["states"] for row in found] == [row["states"] for row in here] and not found.failures
