@@ -119,8 +119,11 @@ impl Reduction {
         let largest = row.values().fold(0.0_f64, |largest, c| largest.max(c.abs()));
         let may_follow = |(dof, c): &(&usize, &f64)| !held[**dof] && c.abs() >= ACCEPTED_PIVOT * largest;
         let followers = |dof: &usize| self.followers.get(dof).map_or(0, BTreeSet::len);
-        // As few other rows as can be change.
-        let pivot = row.iter().filter(may_follow).min_by_key(|(dof, _)| followers(dof));
+        // As few other rows as can be change; a node that follows others through a shape function has the largest coefficient.
+        let before = |a: &(&usize, &f64), b: &(&usize, &f64)| {
+            followers(a.0).cmp(&followers(b.0)).then(b.1.abs().total_cmp(&a.1.abs()))
+        };
+        let pivot = row.iter().filter(may_follow).min_by(before);
         let Some((slave, pivot)) = pivot.map(|(dof, c)| (*dof, *c)) else { return false };
         row.remove(&slave);
         row.values_mut().for_each(|c| *c /= -pivot);

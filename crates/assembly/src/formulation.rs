@@ -7,6 +7,7 @@
 //! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3 × 3 × 3 | 3 × 3 × 3 | 1, ξ, η, ζ |
 //! | `tet10` | 4 (degree 2) | 8 (degree 3) | 1 |
+//! | `tet15` | 14 (degree 5) | 14 | 1, ξ, η, ζ |
 //!
 //! All have the volumetric energy ½ κ θᵀ M⁻¹ θ with θᵢ = ∫ ψᵢ (J − 1) dV and Mᵢⱼ = ∫ ψᵢ ψⱼ dV; for one mode that is
 //! ½ κ (J̄ − 1)² V.
@@ -28,6 +29,8 @@
 //! ½ κ (J̄ − 1)² V + ½ κ_f ∫ (J − J̄)² dV. That leaves six zero eigenvalues, and cannot lock, as κ_f does not grow with κ.
 //!
 //! det ∂r/∂ξ is a cubic: the eight points integrate θ exactly, also on curved elements.
+//!
+//! `tet15` has the bubbles that P2 lacks, in faces and cells, and a linear pressure: it is inf-sup stable.
 //!
 //! # Full invariant
 //!

@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
-use crate::family::{ElementFamily, hex8, hex20, hex27, tet10};
+use crate::family::{ElementFamily, hex8, hex20, hex27, tet10, tet15};
 
 /// Family of solid elements; dereferences to its table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -18,11 +18,13 @@ pub enum ElementKind {
     Hex27,
     /// Quadratic tetrahedron.
     Tet10,
+    /// Quadratic tetrahedron with nodes in its faces and inside.
+    Tet15,
 }
 
 impl ElementKind {
     /// All families.
-    pub const ALL: [Self; 4] = [Self::Hex8, Self::Hex20, Self::Hex27, Self::Tet10];
+    pub const ALL: [Self; 5] = [Self::Hex8, Self::Hex20, Self::Hex27, Self::Tet10, Self::Tet15];
 
     /// What the family is.
     pub const fn family(self) -> &'static ElementFamily {
@@ -31,7 +33,13 @@ impl ElementKind {
             Self::Hex20 => &hex20::FAMILY,
             Self::Hex27 => &hex27::FAMILY,
             Self::Tet10 => &tet10::FAMILY,
+            Self::Tet15 => &tet15::FAMILY,
         }
+    }
+
+    /// The family with further nodes in the faces and inside, with which pressures are stable; `None` if there is none.
+    pub fn enriched(self) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.enriches == Some(self))
     }
 }
 
@@ -56,6 +64,6 @@ macro_rules! with_num_nodes {
         }
     };
     ($kind:expr, $n:ident => $body:expr) => {
-        $crate::with_num_nodes!(@each $kind, $n => $body; Hex8 Hex20 Hex27 Tet10)
+        $crate::with_num_nodes!(@each $kind, $n => $body; Hex8 Hex20 Hex27 Tet10 Tet15)
     };
 }

@@ -21,6 +21,8 @@ pub enum FaceKind {
     Quad9,
     /// Quadratic triangle.
     Tri6,
+    /// Quadratic triangle with a node at its centre.
+    Tri7,
 }
 
 /// What the reference face looks like.
@@ -47,8 +49,8 @@ pub struct FaceFamily {
     pub bulge: f64,
     /// Cell type number of the VTK file formats.
     pub vtk_cell_type: u8,
-    /// Number of Gmsh's element type.
-    pub gmsh_type: i32,
+    /// Number of Gmsh's element type; `None` if there is none.
+    pub gmsh_type: Option<i32>,
 }
 
 impl FaceKind {
@@ -59,11 +61,12 @@ impl FaceKind {
             Self::Quad8 => &QUAD8,
             Self::Quad9 => &QUAD9,
             Self::Tri6 => &TRI6,
+            Self::Tri7 => &TRI7,
         }
     }
 
     /// All families.
-    pub const ALL: [Self; 4] = [Self::Quad4, Self::Quad8, Self::Quad9, Self::Tri6];
+    pub const ALL: [Self; 5] = [Self::Quad4, Self::Quad8, Self::Quad9, Self::Tri6, Self::Tri7];
 }
 
 impl Deref for FaceKind {
@@ -81,7 +84,7 @@ static QUAD4: FaceFamily = FaceFamily {
     rule: || quadrature::quadrilateral(2),
     bulge: 0.0,
     vtk_cell_type: 9,
-    gmsh_type: 3,
+    gmsh_type: Some(3),
 };
 
 static QUAD8: FaceFamily = FaceFamily {
@@ -92,7 +95,7 @@ static QUAD8: FaceFamily = FaceFamily {
     // Σ|N| ≤ 2.
     bulge: 0.5,
     vtk_cell_type: 23,
-    gmsh_type: 16,
+    gmsh_type: Some(16),
 };
 
 static QUAD9: FaceFamily = FaceFamily {
@@ -103,18 +106,31 @@ static QUAD9: FaceFamily = FaceFamily {
     // Σ|N| ≤ 25/16.
     bulge: 0.5,
     vtk_cell_type: 28,
-    gmsh_type: 10,
+    gmsh_type: Some(10),
 };
 
 static TRI6: FaceFamily = FaceFamily {
     outline: Outline::Triangle,
-    nodes: &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
+    nodes: TRI_NODES.split_at(6).0,
     shape: tri6,
     rule: quadrature::triangle_6,
     // Σ|N| ≤ 5/3.
     bulge: 0.5,
     vtk_cell_type: 22,
-    gmsh_type: 9,
+    gmsh_type: Some(9),
+};
+
+static TRI7: FaceFamily = FaceFamily {
+    outline: Outline::Triangle,
+    nodes: &TRI_NODES,
+    shape: tri7,
+    // The volume behind a face has degree 7.
+    rule: quadrature::triangle_16,
+    // Σ|N| ≤ 5/3.
+    bulge: 0.5,
+    // Lagrange's triangle of any order, of which that with seven nodes is one.
+    vtk_cell_type: 69,
+    gmsh_type: None,
 };
 
 impl FaceFamily {
@@ -257,6 +273,35 @@ fn tri6([x, y]: [f64; 2]) -> FaceShape {
     }
     shape
 }
+
+/// P2 and the bubble B = 27 λ₀ λ₁ λ₂, of which corners have 1/9 and mid-edges −4/9, so that they vanish at the centre.
+fn tri7([x, y]: [f64; 2]) -> FaceShape {
+    let mut shape = tri6([x, y]);
+    let l = [1.0 - x - y, x, y];
+    const D: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
+    let twice = |i: usize, j: usize| -> f64 {
+        let of = |a: usize, b: usize, c: usize| (D[a][i] * D[b][j] + D[b][i] * D[a][j]) * l[c];
+        27.0 * (of(0, 1, 2) + of(1, 2, 0) + of(2, 0, 1))
+    };
+    shape.values[6] = 27.0 * l[0] * l[1] * l[2];
+    shape.gradients[6] =
+        std::array::from_fn(|k| 27.0 * (D[0][k] * l[1] * l[2] + l[0] * D[1][k] * l[2] + l[0] * l[1] * D[2][k]));
+    shape.hessians[6] = [twice(0, 0), twice(0, 1), twice(1, 1)];
+    for node in 0..6 {
+        let share = if node < 3 { 1.0 / 9.0 } else { -4.0 / 9.0 };
+        shape.values[node] += share * shape.values[6];
+        for k in 0..2 {
+            shape.gradients[node][k] += share * shape.gradients[6][k];
+        }
+        for k in 0..3 {
+            shape.hessians[node][k] += share * shape.hessians[6][k];
+        }
+    }
+    shape
+}
+
+static TRI_NODES: [[f64; 2]; 7] =
+    [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
 
 static QUAD_NODES: [[f64; 2]; 9] =
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];

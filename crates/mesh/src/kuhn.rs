@@ -46,7 +46,7 @@ pub fn faces_on_sides() -> [[(usize, u8); 2]; 6] {
         let (axis, position) = (side / 2, 2 * (side % 2));
         let mut found = offsets.iter().enumerate().flat_map(|(tetrahedron, nodes)| {
             (0..4_u8)
-                .filter(move |&face| FACES[face as usize].iter().all(|&n| nodes[n][axis] == position))
+                .filter(move |&face| FACES[face as usize][..6].iter().all(|&n| nodes[n][axis] == position))
                 .map(move |face| (tetrahedron, face))
         });
         std::array::from_fn(|_| found.next().expect("two of Kuhn's tetrahedra have a face on each side"))

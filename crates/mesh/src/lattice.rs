@@ -78,23 +78,27 @@ impl Lattice {
                 }
             }
         }
-        let connectivity = solid_cells
+        let connectivity: Vec<u32> = solid_cells
             .iter()
             .flat_map(|c| offsets.iter().map(|o| number[fine_index(std::array::from_fn(|d| 2 * c[d] + o[d]))]))
             .collect();
-        LatticeMesh {
-            mesh: Mesh {
-                kind,
-                nodes,
-                connectivity,
-                node_sets: BTreeMap::new(),
-                facet_sets: BTreeMap::new(),
-                element_sets: BTreeMap::new(),
-            },
-            cells: solid_cells,
-            is_meshed,
-            size: cells,
+        // The family of these nodes.
+        let written = match kind.enriches {
+            Some(enriched) if offsets.len() < kind.lattice.elements * kind.num_nodes() => enriched,
+            _ => kind,
+        };
+        let mut mesh = Mesh {
+            kind: written,
+            nodes,
+            connectivity,
+            node_sets: BTreeMap::new(),
+            facet_sets: BTreeMap::new(),
+            element_sets: BTreeMap::new(),
+        };
+        if written != kind {
+            mesh = mesh.enriched().0;
         }
+        LatticeMesh { mesh, cells: solid_cells, is_meshed, size: cells }
     }
 
     /// Meshes all cells of the lattice.

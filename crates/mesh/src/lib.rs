@@ -18,6 +18,7 @@
 
 pub mod actuator;
 pub mod element;
+mod enrichment;
 pub mod face;
 pub mod family;
 pub mod grading;
@@ -34,6 +35,7 @@ mod volume_within;
 
 pub use actuator::{Actuator, Channel, Cuts, GeometryError, LENGTHS, Part, build_actuator, build_actuator_with};
 pub use element::ElementKind;
+pub use enrichment::{AddedNode, Place};
 pub use face::{FaceKind, Outline};
 pub use family::ReferenceBody;
 pub use grading::MeshSize;

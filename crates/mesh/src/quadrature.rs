@@ -97,6 +97,46 @@ pub fn tetrahedron_8() -> Vec<([f64; 3], f64)> {
     corners.map(|x| (x, 1.0 / 240.0)).into_iter().chain(centres.map(|x| (x, 9.0 / 240.0))).collect()
 }
 
+/// A barycentric rule on the unit tetrahedron: every permutation of these coordinates, each with the weight.
+fn tetrahedral(orbits: &[([f64; 4], f64)]) -> Vec<([f64; 3], f64)> {
+    let mut rule: Vec<([f64; 3], f64)> = Vec::new();
+    for &(at, weight) in orbits {
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        for (i, j, k) in (0..64).map(|code| (code / 16, code / 4 % 4, code % 4)) {
+            let point = [at[i], at[j], at[k]];
+            if i != j && j != k && i != k && !points.contains(&point) {
+                points.push(point);
+            }
+        }
+        rule.extend(points.into_iter().map(|point| (point, weight)));
+    }
+    rule
+}
+
+/// Rule of degree 5 with 14 points and positive weights on the unit tetrahedron (Grundmann & Möller 1978, *SIAM J. Numer. Anal.* 15; Walkington
+/// 2000).
+pub fn tetrahedron_14() -> Vec<([f64; 3], f64)> {
+    let [a, b] = [0.310_885_919_263_300_6, 0.092_735_250_310_891_23];
+    let c = 0.045_503_704_125_649_65;
+    tetrahedral(&[
+        ([1.0 - 3.0 * a, a, a, a], 0.018_781_320_953_002_642),
+        ([1.0 - 3.0 * b, b, b, b], 0.012_248_840_519_393_658),
+        ([c, c, 0.5 - c, 0.5 - c], 0.007_091_003_462_846_911),
+    ])
+}
+
+/// Rule of degree 6 with 24 points and positive weights on the unit tetrahedron (Keast 1986, *Comput. Methods Appl. Mech. Engrg.* 55).
+pub fn tetrahedron_24() -> Vec<([f64; 3], f64)> {
+    let [a, b, c] = [0.214_602_871_259_152_03, 0.040_673_958_534_611_35, 0.322_337_890_142_275_5];
+    let [d, e] = [0.063_661_001_875_017_53, 0.269_672_331_458_315_8];
+    tetrahedral(&[
+        ([1.0 - 3.0 * a, a, a, a], 0.006_653_791_709_694_582),
+        ([1.0 - 3.0 * b, b, b, b], 0.001_679_535_175_886_774),
+        ([1.0 - 3.0 * c, c, c, c], 0.009_226_196_923_942_454),
+        ([d, d, e, 1.0 - 2.0 * d - e], 0.008_035_714_285_714_286),
+    ])
+}
+
 /// Collapsed rule with 4³ points and positive weights on the unit tetrahedron: the cube's rule with three of its sides drawn together.
 pub fn tetrahedron_64() -> Vec<([f64; 3], f64)> {
     let collapse = |(x, w): ([f64; 3], f64)| {
@@ -175,7 +215,14 @@ mod tests {
                 }
             }
         }
-        for (rule, degree) in [(tetrahedron_4(), 2), (tetrahedron_8(), 3), (tetrahedron_64(), 5)] {
+        for (rule, degree) in [
+            (tetrahedron_4(), 2),
+            (tetrahedron_8(), 3),
+            (tetrahedron_14(), 5),
+            (tetrahedron_24(), 6),
+            (tetrahedron_64(), 5),
+        ] {
+            assert!(rule.iter().all(|(_, w)| *w > 0.0));
             for i in 0..=degree {
                 for j in 0..=degree - i {
                     for k in 0..=degree - i - j {

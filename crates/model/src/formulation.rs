@@ -27,6 +27,9 @@ pub enum Formulation {
     /// Quadratic tetrahedron with a constant pressure (P2–P0); six per lattice cell.
     #[serde(rename = "tet10")]
     Tet10,
+    /// Quadratic tetrahedron with bubbles in its faces and inside and a discontinuous linear pressure; six per lattice cell.
+    #[serde(rename = "tet15")]
+    Tet15,
 }
 
 /// When a part of the bulk modulus resists fluctuations of J within an element (theory §10).
@@ -116,9 +119,18 @@ static TET10: MixedFormulation = MixedFormulation {
     is_second_order: false,
 };
 
+static TET15: MixedFormulation = MixedFormulation {
+    name: "tet15",
+    words: "quadratic tetrahedra with nodes in their faces and inside and a discontinuous linear pressure",
+    element: ElementKind::Tet15,
+    deviatoric_rule: quadrature::tetrahedron_14,
+    volumetric_rule: quadrature::tetrahedron_14,
+    ..HEX20
+};
+
 impl Formulation {
     /// All formulations. Of those with one element, the last is that of bodies that come with such elements: free of locking.
-    pub const ALL: [Self; 5] = [Self::Hex8Sri, Self::Hex8Q1p0, Self::Hex20, Self::Hex27, Self::Tet10];
+    pub const ALL: [Self; 6] = [Self::Hex8Sri, Self::Hex8Q1p0, Self::Hex20, Self::Hex27, Self::Tet10, Self::Tet15];
 
     /// What the formulation is.
     pub const fn table(self) -> &'static MixedFormulation {
@@ -128,6 +140,7 @@ impl Formulation {
             Self::Hex20 => &HEX20,
             Self::Hex27 => &HEX27,
             Self::Tet10 => &TET10,
+            Self::Tet15 => &TET15,
         }
     }
 

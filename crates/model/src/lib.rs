@@ -16,6 +16,7 @@
 
 pub mod case;
 mod contact_stiffness;
+mod enrichment;
 pub mod formulation;
 pub mod law;
 pub mod load;

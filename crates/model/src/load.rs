@@ -127,6 +127,44 @@ impl Curve {
         }
     }
 
+    /// Σ factor · curve. Where one jumps, so does the sum.
+    pub fn sum(terms: &[(f64, &Self)]) -> Self {
+        let slope = |curve: &Self| match curve {
+            Self::Proportional(slope) => Some(*slope),
+            Self::Table(_) => None,
+        };
+        let slopes: Option<Vec<f64>> = terms.iter().map(|(factor, curve)| Some(factor * slope(curve)?)).collect();
+        if let Some(slopes) = slopes {
+            return Self::Proportional(slopes.iter().sum());
+        }
+        let mut corners: Vec<f64> = terms.iter().flat_map(|(_, curve)| curve.corners()).map(|at| at.0).collect();
+        corners.sort_by(f64::total_cmp);
+        corners.dedup();
+        let total = |of: &dyn Fn(&Self) -> f64| terms.iter().map(|(factor, curve)| factor * of(curve)).sum::<f64>();
+        let mut points = Vec::new();
+        for corner in corners {
+            let (before, after) =
+                (total(&|curve| curve.before(corner)), total(&|curve| curve.at(LoadParameter(corner))));
+            if before != after {
+                points.push([corner, before]);
+            }
+            points.push([corner, after]);
+        }
+        Self::Table(points)
+    }
+
+    /// Value right before a position on the load path.
+    fn before(&self, parameter: f64) -> f64 {
+        let points = match self {
+            Self::Proportional(slope) => return slope * parameter,
+            Self::Table(points) => points,
+        };
+        match points.iter().find(|point| point[0] >= parameter) {
+            Some([at, value]) if *at == parameter => *value,
+            _ => self.at(LoadParameter(parameter)),
+        }
+    }
+
     /// Positions at which its slope changes.
     pub fn corners(&self) -> impl Iterator<Item = LoadParameter> {
         let points: &[[f64; 2]] = match self {
@@ -151,5 +189,17 @@ mod tests {
         assert_eq!(Curve::Proportional(1e-3).at(LoadParameter(35.0)), 0.035);
         assert_eq!(Curve::constant(7.0).at(LoadParameter(-1.0)), 7.0);
         assert_eq!(Curve::Table(Vec::new()).at(LoadParameter(1.0)), 0.0);
+    }
+
+    #[test]
+    fn a_sum_of_curves_is_the_sum_of_their_values() {
+        let jump = Curve::Table(vec![[1.0, 2.0], [3.0, 6.0], [3.0, 1.0], [4.0, 0.0]]);
+        let ramp = Curve::Table(vec![[0.0, 0.0], [2.0, 1.0]]);
+        let sum = Curve::sum(&[(2.0, &jump), (-0.5, &ramp)]);
+        for time in [0.0, 0.3, 1.0, 1.7, 2.5, 2.999, 3.0, 3.3, 5.0] {
+            let at = |curve: &Curve| curve.at(LoadParameter(time));
+            assert!((at(&sum) - 2.0 * at(&jump) + 0.5 * at(&ramp)).abs() < 1e-13, "at {time}");
+        }
+        assert_eq!(Curve::sum(&[(2.0, &Curve::Proportional(1.5))]), Curve::Proportional(3.0));
     }
 }

@@ -287,13 +287,12 @@ impl MeshOptions {
     }
 
     /// Complains about every key that is given, where there is nothing to be meshed.
-    pub(crate) fn check_absent(&self, found: &mut Problems) {
+    pub(crate) fn check_imported(&self, found: &mut Problems) {
         let given = [
             ("resolution", self.resolution.is_some()),
             ("size", self.size.is_some()),
             ("edge_size", self.edge_size.is_some()),
             ("wall_elements", self.wall_elements.is_some()),
-            ("element", self.element.is_some()),
         ];
         for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
             let allowed =

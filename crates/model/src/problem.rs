@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use pneuflex_mesh::{Actuator, Facet, Mesh, MeshSize, build_actuator};
+use pneuflex_mesh::{Actuator, AddedNode, Facet, Mesh, MeshSize, build_actuator};
 
 use crate::case::Case;
 use crate::formulation::Formulation;
@@ -46,6 +46,17 @@ pub struct Problem {
     pub symmetry: Vec<SymmetryPlane>,
     /// What the load parameter counts.
     pub clock: Clock,
+    /// The mesh as it came, if nodes were added to it, and these.
+    pub given: Option<Given>,
+}
+
+/// A mesh before nodes were added to it ([`Problem::enriched`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Given {
+    /// The mesh, whose nodes are the first.
+    pub mesh: Arc<Mesh>,
+    /// The added nodes.
+    pub added: Vec<AddedNode>,
 }
 
 /// What the parameter of a load path counts.
@@ -169,6 +180,7 @@ impl Problem {
             obstacles: Vec::new(),
             symmetry: Vec::new(),
             clock: Clock::Pressure,
+            given: None,
         }
     }
 

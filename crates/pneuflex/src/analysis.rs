@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::{Actuator, build_actuator_with};
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, Contact, LoadParameter, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, Contact, Formulation, LoadParameter, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
@@ -113,7 +113,7 @@ impl Analysis {
         let (body, warning) = match (&model.model, &model.actuator) {
             (Some(source), _) => {
                 let body = store.beside(path, &source.file);
-                let read = read_body(store, &body, source)?;
+                let read = read_body(store, &body, source, model.mesh.element)?;
                 let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))?;
                 notes.extend(read.notes);
                 if title.is_empty() {
@@ -285,7 +285,12 @@ impl Analysis {
             Description::Actuator(_) => Ok(None),
             Description::Model(_, files) => Ok(Some(Cow::Borrowed(files))),
             Description::Body(_) => {
-                let bytes = RecordedMesh::of(self.problem.formulation, &self.problem.mesh).written()?;
+                // As it was given; nodes are added again.
+                let (mesh, given) = (&self.problem.mesh, self.problem.given.as_ref());
+                let mesh = given.map_or(mesh, |given| &given.mesh);
+                let formulation = given.and_then(|given| Formulation::of_kind(given.mesh.kind));
+                let recorded = RecordedMesh::of(formulation.unwrap_or(self.problem.formulation), mesh);
+                let bytes = recorded.written()?;
                 let name = recorded_mesh::FILE.to_owned();
                 Ok(Some(Cow::Owned(Files { name, bytes, included: Vec::new() })))
             }

@@ -60,7 +60,8 @@ impl Body {
         Ok(Self { model, mesh, formulation })
     }
 
-    /// A body from a mesh of Gmsh (`.msh`) with its physical groups as sets; `scale` is the number of mm per unit of length.
+    /// A body from a mesh of Gmsh (`.msh`) with its physical groups as sets; `scale` is the number of mm per unit of length. Where its elements
+    /// have no stable pressures, nodes are added to them for the analysis, unless `model.mesh.element` is set to what they are.
     ///
     /// # Errors
     /// [`Error::Input`] with everything that is wrong with the file.
@@ -78,10 +79,13 @@ impl Body {
         let wrong = |errors: Vec<_>| errors.into_iter().map(InputError::from).collect::<Vec<_>>();
         let mesh = msh::read(name, bytes).map_err(wrong)?.mesh.map_nodes(|x| x.map(|t| scale * t));
         let unknown = || InputError::new(format!("{name}: {} cannot be solved", mesh.kind.words()));
-        Self::of_mesh(Formulation::of_kind(mesh.kind).ok_or_else(unknown)?, mesh)
+        let enriched = mesh.kind.enriched().and_then(Formulation::of_kind);
+        let mut body = Self::of_mesh(Formulation::of_kind(mesh.kind).ok_or_else(unknown)?, mesh)?;
+        body.model.mesh.element = enriched;
+        Ok(body)
     }
 
-    /// The mesh.
+    /// The mesh, without nodes that are added for the analysis.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
@@ -232,7 +236,9 @@ impl Body {
             return Err(problems.into_iter().map(said).collect::<Vec<_>>().into());
         }
         check(self.formulation, &self.mesh)?;
-        let problem = Problem::body(self.mesh.clone(), self.formulation, Material::default());
+        let problem = Problem::body(self.mesh.clone(), self.formulation, Material::default())
+            .solved_by(self.model.mesh.element.or(Some(self.formulation)))
+            .map_err(said)?;
         let analysis = Analysis::of_body(path, self.model.clone(), problem, None);
         Ok(analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?.held()?)
     }

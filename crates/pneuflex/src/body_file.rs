@@ -35,11 +35,16 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-/// Reads the body of a model file.
+/// Reads the body of a model file; `element` is the formulation that it asks for.
 ///
 /// # Errors
 /// A file that cannot be read, or everything that is wrong with it.
-pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody, Vec<InputError>> {
+pub fn read_body(
+    store: &Store,
+    path: &Path,
+    source: &Source,
+    element: Option<Formulation>,
+) -> Result<ReadBody, Vec<InputError>> {
     let bytes = store.bytes(path).map_err(|why| InputError::about_file(path, why))?;
     if let Some(error) = pointer(path, &bytes) {
         return Err(error.into());
@@ -74,15 +79,17 @@ pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody
         };
         let deck = pneuflex_deck::read(&shown, bytes, &mut include).map_err(wrong)?;
         outside.extend(deck.notes.iter().map(ToString::to_string));
+        let (problem, note) = solved_by(deck.problem, element)?;
+        outside.push(note);
         return Ok(ReadBody {
             title: deck.title,
-            problem: deck.problem,
+            problem,
             schedule: Some((deck.schedule.times, deck.schedule.first_increment)),
             notes: outside,
             files,
         });
     }
-    let (mesh, formulation, notes) = if has_extension(path, "msh") {
+    let (mesh, formulation, mut notes): (_, _, Vec<String>) = if has_extension(path, "msh") {
         let read = msh::read(&shown, &bytes).map_err(wrong)?;
         let kind = read.mesh.kind;
         let unknown = || InputError::about_file(path, format!("{} cannot be solved", kind.words()));
@@ -95,8 +102,26 @@ pub fn read_body(store: &Store, path: &Path, source: &Source) -> Result<ReadBody
         return Err(not_a_body(path, &bytes).into());
     };
     let mesh = mesh.map_nodes(|x| x.map(|t| source.scale * t));
+    let is_recorded = has_extension(path, "json");
     let problem = Problem::body(mesh, formulation, Default::default());
+    let (problem, note) = solved_by(problem, element.or(is_recorded.then_some(formulation)))?;
+    notes.extend((problem.given.is_some() && !is_recorded).then_some(note));
     Ok(ReadBody { title: String::new(), problem, schedule: None, notes, files })
+}
+
+/// A body with the formulation that is asked for, and what it is solved with.
+fn solved_by(body: Problem, element: Option<Formulation>) -> Result<(Problem, String), InputError> {
+    let (words, as_it_is) = (body.mesh.kind.words(), body.formulation.name);
+    let problem = body.solved_by(element).map_err(|e| InputError::new(e.to_string()).of_key(&e.key))?;
+    let solved = format!("{} ({})", problem.formulation.name, problem.formulation.words);
+    let note = match &problem.given {
+        Some(_) => format!(
+            "{words} are solved with {solved}: nodes are added in faces and inside of elements; `mesh.element = \"{as_it_is}\"` in a model \
+             file does without them"
+        ),
+        None => format!("{words} are solved with {solved}"),
+    };
+    Ok((problem, note))
 }
 
 /// Names of included files of which copies lie in a folder.

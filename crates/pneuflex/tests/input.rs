@@ -98,9 +98,9 @@ fn an_imported_body_is_not_meshed() {
     let mut body = block();
     body.model.mesh.resolution = Some(pneuflex::model::Resolution::Fine);
     assert_body_refused(&body, "mesh.resolution", "imported body");
-    let deck = "[model]\nfile = \"a.inp\"\n[mesh]\nelement = \"tet10\"\nsize = 2.0\n";
+    let deck = "[model]\nfile = \"a.inp\"\n[mesh]\nresolution = \"fine\"\nsize = 2.0\n";
     let found = refused(deck);
-    assert_eq!(found.iter().map(|(key, _)| key.as_str()).collect::<Vec<_>>(), ["mesh.element", "mesh.size"]);
+    assert_eq!(found.iter().map(|(key, _)| key.as_str()).collect::<Vec<_>>(), ["mesh.resolution", "mesh.size"]);
     // What an actuator of a model file is meshed with has a range as in a case file.
     assert_refused(&model("").replace("resolution = \"draft\"", "size = 0.0"), "mesh.size", "greater than 0");
 }

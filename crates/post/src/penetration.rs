@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn walls_of_triangles_are_measured_alike() {
-        let problem = with_formulation(3.0, Formulation::Tet10);
+        let problem = with_formulation(3.0, Formulation::Tet15);
         let u = displacement_of(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 }, 0.0, 0.0]);
         let found = measure(&problem, &u).unwrap();
         assert!((found.max_penetration_mm() - 0.1).abs() < 1e-12, "{found:?}");

@@ -10,10 +10,10 @@
 //! |---|---|---|
 //! | `hex8-sri` | κ (J_C − 1), J_C at the element's centre | ½ κ (J_C − 1)² V |
 //! | `hex8-q1p0`, `tet10` | κ (J̄ − 1), J̄ = deformed / reference volume | ½ κ (J̄ − 1)² V |
-//! | `hex20`, `hex27` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
+//! | `hex20`, `hex27`, `tet15` | Σ ψᵢ pᵢ, p = κ M⁻¹ θ, θᵢ = ∫ ψᵢ (J − 1) dV, Mᵢⱼ = ∫ ψᵢ ψⱼ dV, ψ = (1, ξ, η, ζ) | ½ κ θᵀ M⁻¹ θ |
 //!
 //! With another volumetric energy than κ/2 (J − 1)², p = M⁻¹ ∫ U′(J̄) ψ dV at J̄ = 1 + Σ ψᵢ (M⁻¹θ)ᵢ, with the energy
-//! ∫ U(J̄) dV. On `tet10`, and with the full invariant on `hex20` and `hex27`, a part κ_f of κ
+//! ∫ U(J̄) dV. On `tet10`, and with the full invariant on `hex20`, `hex27` and `tet15`, a part κ_f of κ
 //! ([`pneuflex_model::formulation::MixedFormulation::fluctuation_modulus`]) acts on J itself: the pressure is
 //! κ (J̄ − 1) + κ_f (J − J̄), the energy has ½ κ_f ∫ (J − J̄)² dV more. (Theory §3.6, §10.) The stress is taken at the points of
 //! the deviatoric rule, where the law is evaluated by the solver too.
@@ -322,7 +322,7 @@ impl StressField {
     }
 
     /// Cauchy stress at every node, MPa: the trilinear field fitted to an element's integration points by least squares
-    /// (through them for the 2×2×2 rule), on tetrahedra the linear field through the four points, evaluated at the element's nodes and averaged over the elements at a node with
+    /// (through them for the 2×2×2 rule), on tetrahedra the linear field (through the four points of `tet10`), evaluated at the element's nodes and averaged over the elements at a node with
     /// their reference volumes as weights. For pictures: at interfaces and re-entrant edges it smooths.
     pub fn at_nodes(&self, problem: &Problem) -> Vec<SymmetricTensor> {
         let (mesh, kind) = (&problem.mesh, problem.mesh.kind);
@@ -370,13 +370,16 @@ impl StressField {
 }
 
 impl StressField {
-    /// The four points lie on the lines from the centroid to the corners, a share τ of the way: with barycentric
-    /// coordinates λ, the weight of point i is 1/4 + (λᵢ − 1/4)/τ.
+    /// The rules know no first corner: with barycentric coordinates λ and δᵢ = λᵢ − 1/4, Σ δᵢ δⱼ over the n points is s (δᵢⱼ − 1/4), so
+    /// that the weight of a point p in the linear field fitted by least squares is 1/n + Σᵢ δᵢ δᵢ(p) / s.
     fn extrapolation_on_tetrahedron(&self, kind: ElementKind) -> Vec<Vec<f64>> {
-        let barycentric = |[x, y, z]: [f64; 3]| [1.0 - x - y - z, x, y, z];
-        let tau = (barycentric(self.reference_points[0])[0] - 0.25) / 0.75;
-        let weights = |node: [f64; 3]| barycentric(node).iter().map(|l| 0.25 + (l - 0.25) / tau).collect();
-        kind.nodes.iter().map(|&node| weights(node)).collect()
+        let offsets = |[x, y, z]: [f64; 3]| [1.0 - x - y - z, x, y, z].map(|l| l - 0.25);
+        let points: Vec<[f64; 4]> = self.reference_points.iter().map(|&point| offsets(point)).collect();
+        let sum = points.iter().map(|p| p[0] * p[0]).sum::<f64>() / 0.75;
+        let weight = |node: &[f64; 4], p: &[f64; 4]| {
+            1.0 / points.len() as f64 + node.iter().zip(p).map(|(a, b)| a * b).sum::<f64>() / sum
+        };
+        kind.nodes.iter().map(|&node| points.iter().map(|p| weight(&offsets(node), p)).collect()).collect()
     }
 }
 

@@ -275,6 +275,7 @@ impl ContactModel {
         let energy = ClosestPoint { stiffness, shape: &self.shape, xi: point.xi };
         match n {
             6 => Box::new(Term::<21, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
+            7 => Box::new(Term::<24, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             4 => Box::new(Term::<15, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             8 => Box::new(Term::<27, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             _ => Box::new(Term::<30, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),

@@ -7,6 +7,9 @@
 //! | `hex20` | 14 (Irons) | 14 (Irons) | 1, ξ, η, ζ |
 //! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
 //! | `tet10` | 4 | 3×3×3, collapsed | 1 |
+//! | `tet15` | 14 | 14 | 1, ξ, η, ζ |
+
+use std::collections::BTreeMap;
 
 use pneuflex_mesh::{ElementKind, FaceKind};
 use pneuflex_model::{Formulation, Invariant, Law, Material};
@@ -16,22 +19,45 @@ use crate::quadrature;
 /// A point of an element's rule: reference coordinates, weight, deviatoric?, volumetric?
 pub type RulePoint = ([f64; 3], f64, bool, bool);
 
-/// Which monomials with exponents up to 2 span a family.
+/// Which monomials span a family.
 #[derive(Clone, Copy)]
 pub enum Span {
     /// Those with at most so many squares.
     Squares(usize),
     /// Those of total degree up to 2.
     TotalDegree2,
+    /// Those of total degree up to 2, the product of the barycentric coordinates of every face, and that of all.
+    Bubbles,
 }
 
 impl Span {
     /// Whether the monomial with these exponents belongs to it.
-    pub fn holds(self, exponents: &[usize]) -> bool {
+    fn holds(self, exponents: &[usize]) -> bool {
         match self {
             Self::Squares(most) => exponents.iter().filter(|&&e| e == 2).count() <= most,
             Self::TotalDegree2 => exponents.iter().sum::<usize>() <= 2,
+            Self::Bubbles => exponents.iter().sum::<usize>() <= 2 || exponents == [1, 1, 1],
         }
+    }
+
+    /// Sums of monomials, by their exponents up to 2, that span it. With z = 0 in the plane, products of barycentric coordinates are
+    /// x y z, x y (1 − x − y − z) and so on, and x y z (1 − x − y − z): beside what is there already, x²y + x y² of every two coordinates
+    /// and x²y z + x y²z + x y z².
+    pub fn functions<const DIM: usize>(self) -> Vec<Vec<[usize; DIM]>> {
+        let all = || (0..3_usize.pow(DIM as u32)).map(|code| std::array::from_fn(|d| code / 3_usize.pow(d as u32) % 3));
+        let mut found: Vec<Vec<[usize; DIM]>> =
+            all().filter(|exponents: &[usize; DIM]| self.holds(exponents)).map(|exponents| vec![exponents]).collect();
+        if let Self::Bubbles = self {
+            let mut sums: BTreeMap<[bool; DIM], Vec<[usize; DIM]>> = BTreeMap::new();
+            for exponents in all() {
+                let coordinates = exponents.iter().filter(|e| **e > 0).count();
+                if coordinates > 1 && exponents.iter().sum::<usize>() == coordinates + 1 {
+                    sums.entry(exponents.map(|e| e > 0)).or_default().push(exponents);
+                }
+            }
+            found.extend(sums.into_values());
+        }
+        found
     }
 }
 
@@ -42,6 +68,7 @@ pub fn span_of_element(kind: ElementKind) -> Span {
         ElementKind::Hex20 => Span::Squares(1),
         ElementKind::Hex27 => Span::Squares(3),
         ElementKind::Tet10 => Span::TotalDegree2,
+        ElementKind::Tet15 => Span::Bubbles,
     }
 }
 
@@ -52,30 +79,33 @@ pub fn span_of_face(kind: FaceKind) -> Span {
         FaceKind::Quad8 => Span::Squares(1),
         FaceKind::Quad9 => Span::Squares(2),
         FaceKind::Tri6 => Span::TotalDegree2,
+        FaceKind::Tri7 => Span::Bubbles,
     }
 }
 
-/// A rule that integrates the volume behind a face exactly: 2×2 points on quad4, 3×3 on quad8 and quad9, 3×3 collapsed on tri6.
+/// A rule that integrates the volume behind a face exactly: 2×2 points on quad4, 3×3 on quad8 and quad9, 3×3 collapsed on tri6, 5×5 on tri7.
 pub fn face_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     match kind {
         FaceKind::Quad4 => quadrature::tensor(2),
         FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(3),
         FaceKind::Tri6 => quadrature::collapsed(3),
+        FaceKind::Tri7 => quadrature::collapsed(5),
     }
 }
 
-/// A rule for weights: at least 3×3×3 points, collapsed on tet10.
+/// A rule for weights: at least 3×3×3 points, collapsed on tetrahedra.
 pub fn volume_rule(kind: ElementKind) -> Vec<([f64; 3], f64)> {
     match kind {
         ElementKind::Hex8 | ElementKind::Hex20 | ElementKind::Hex27 => quadrature::tensor(3),
         ElementKind::Tet10 => quadrature::collapsed(3),
+        ElementKind::Tet15 => quadrature::collapsed(5),
     }
 }
 
 /// The point of single-point contact.
 pub fn centre_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     match kind {
-        FaceKind::Tri6 => vec![([1.0 / 3.0; 2], 0.5)],
+        FaceKind::Tri6 | FaceKind::Tri7 => vec![([1.0 / 3.0; 2], 0.5)],
         FaceKind::Quad4 | FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(1),
     }
 }
@@ -83,7 +113,7 @@ pub fn centre_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
 /// The points of multiple-point contact: 4×4, 16 of a symmetric rule on triangles.
 pub fn contact_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     match kind {
-        FaceKind::Tri6 => quadrature::triangle_of_degree_8(),
+        FaceKind::Tri6 | FaceKind::Tri7 => quadrature::triangle_of_degree_8(),
         FaceKind::Quad4 | FaceKind::Quad8 | FaceKind::Quad9 => quadrature::tensor(4),
     }
 }
@@ -103,6 +133,9 @@ pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
             let volumetric = quadrature::collapsed(3).into_iter().map(|(xi, w)| (xi, w, false, true));
             deviatoric.chain(volumetric).collect()
         }
+        Formulation::Tet15 => {
+            quadrature::tetrahedron_of_degree_5().into_iter().map(|(xi, w)| (xi, w, true, true)).collect()
+        }
     }
 }
 
@@ -110,7 +143,7 @@ pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
 pub fn num_pressures(formulation: Formulation) -> usize {
     match formulation {
         Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
-        Formulation::Hex20 | Formulation::Hex27 => 4,
+        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => 4,
     }
 }
 
@@ -124,7 +157,7 @@ pub fn fluctuation_modulus(formulation: Formulation, material: &Material) -> f64
     };
     let modulus = match formulation {
         Formulation::Hex8Sri | Formulation::Hex8Q1p0 => 0.0,
-        Formulation::Hex20 | Formulation::Hex27 => lack,
+        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => lack,
         Formulation::Tet10 => material.shear_modulus() + lack,
     };
     modulus.min(0.5 * material.bulk_modulus)

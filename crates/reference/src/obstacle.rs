@@ -196,7 +196,7 @@ mod tests {
             Shape::Cylinder { point: [0.5, 0.6, 0.0], axis: [0.1, 1.0, 0.0], radius: 0.7, is_hollow: true },
             Shape::Cuboid { centre: [0.5, 0.6, 1.4], size: [0.8, 1.6, 1.0], axes, edge_radius: 0.2 },
         ];
-        for formulation in [Formulation::Hex8Q1p0, Formulation::Tet10] {
+        for formulation in [Formulation::Hex8Q1p0, Formulation::Tet15] {
             let mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.0);
             let problem = body(mesh, formulation, Material::default());
             let facets = problem.mesh.select_facets(|x| x[2] == 0.8);

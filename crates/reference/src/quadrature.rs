@@ -83,6 +83,25 @@ pub fn tetrahedron_of_degree_2() -> Vec<([f64; 3], f64)> {
     [3, 0, 1, 2].map(|corner| (at(corner), 1.0 / 24.0)).to_vec()
 }
 
+/// Fourteen points on the unit tetrahedron, of degree 5 and the same for all orders of its corners (Grundmann & Möller 1978): four each on
+/// two sets of the medians, and six between the middles of opposite edges.
+pub fn tetrahedron_of_degree_5() -> Vec<([f64; 3], f64)> {
+    let mut rule: Vec<([f64; 3], f64)> = Vec::new();
+    for (a, weight) in
+        [(0.310_885_919_263_300_6, 0.018_781_320_953_002_642), (0.092_735_250_310_891_23, 0.012_248_840_519_393_658)]
+    {
+        // Corner 3 is the origin.
+        rule.extend(
+            (0..4).map(|corner| (std::array::from_fn(|d| if d == corner { 1.0 - 3.0 * a } else { a }), weight)),
+        );
+    }
+    let (c, weight) = (0.045_503_704_125_649_65, 0.007_091_003_462_846_911);
+    for (i, j) in (0..4).flat_map(|i| (i + 1..4).map(move |j| (i, j))) {
+        rule.push((std::array::from_fn(|d| if d == i || d == j { c } else { 0.5 - c }), weight));
+    }
+    rule
+}
+
 /// Sixteen points on the unit triangle, of degree 8 and the same for all orders of its corners (Dunavant 1985): all permutations of barycentric
 /// coordinates of which two are given.
 pub fn triangle_of_degree_8() -> Vec<([f64; 2], f64)> {
@@ -123,7 +142,7 @@ mod tests {
         }
         // ∫ xⁱ yʲ zᵏ = i! j! k! / (i + j + k + 3)!
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
-        for (rule, degree) in [(collapsed::<3>(3), 3), (tetrahedron_of_degree_2(), 2)] {
+        for (rule, degree) in [(collapsed::<3>(3), 3), (tetrahedron_of_degree_2(), 2), (tetrahedron_of_degree_5(), 5)] {
             for (i, j, k) in (0..=degree)
                 .flat_map(|i| (0..=degree - i).flat_map(move |j| (0..=degree - i - j).map(move |k| (i, j, k))))
             {

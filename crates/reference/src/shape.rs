@@ -2,7 +2,7 @@
 //!
 //! Every family on [−1, 1]ᵈ is spanned by the monomials ξᵃ ηᵇ ζᶜ with exponents up to 2 of which at most `q` may be 2:
 //! q = 0 gives hex8 and quad4, q = 1 the serendipity families hex20 and quad8, q = d the full ones hex27 and quad9.
-//! tet10 and tri6 on the unit simplex are spanned by the monomials of total degree up to 2.
+//! tet10 and tri6 on the unit simplex are spanned by the monomials of total degree up to 2, tet15 and tri7 by these and sums of others.
 //! Nᵢ(ξⱼ) = δᵢⱼ then fixes the coefficients: the inverse of the Vandermonde matrix of the nodes.
 
 use nalgebra::DMatrix;
@@ -15,7 +15,8 @@ use crate::differentiate::Dual;
 /// Shape functions of an element (`DIM` = 3) or a face (`DIM` = 2).
 #[derive(Clone, Debug)]
 pub struct ShapeFunctions<const DIM: usize> {
-    exponents: Vec<[usize; DIM]>,
+    // Sums of monomials, by their exponents.
+    functions: Vec<Vec<[usize; DIM]>>,
     // Row i holds the coefficients of Nᵢ.
     coefficients: DMatrix<f64>,
 }
@@ -36,14 +37,14 @@ impl ShapeFunctions<2> {
 
 impl<const DIM: usize> ShapeFunctions<DIM> {
     fn from_nodes(nodes: &[[f64; DIM]], span: Span) -> Option<Self> {
-        let exponents: Vec<[usize; DIM]> = (0..3_usize.pow(DIM as u32))
-            .map(|code| std::array::from_fn(|d| code / 3_usize.pow(d as u32) % 3))
-            .filter(|exponents| span.holds(exponents))
-            .collect();
-        let vandermonde = DMatrix::from_fn(exponents.len(), nodes.len(), |m, i| {
-            (0..DIM).map(|d| nodes[i][d].powi(exponents[m][d] as i32)).product()
+        let functions: Vec<Vec<[usize; DIM]>> = span.functions();
+        let monomial = |exponents: &[usize; DIM], i: usize| -> f64 {
+            (0..DIM).map(|d| nodes[i][d].powi(exponents[d] as i32)).product()
+        };
+        let vandermonde = DMatrix::from_fn(functions.len(), nodes.len(), |m, i| {
+            functions[m].iter().map(|exponents| monomial(exponents, i)).sum()
         });
-        vandermonde.try_inverse().map(|coefficients| Self { exponents, coefficients })
+        vandermonde.try_inverse().map(|coefficients| Self { functions, coefficients })
     }
 
     /// Number of nodes.
@@ -53,14 +54,14 @@ impl<const DIM: usize> ShapeFunctions<DIM> {
 
     /// Derivatives of all Nᵢ at `xi`, `orders[d]` times with respect to coordinate d; all zero for the values themselves.
     pub fn derivatives<D: Dual>(&self, orders: [usize; DIM], xi: &[D; DIM]) -> Vec<D> {
-        let monomials: Vec<D> = self
-            .exponents
-            .iter()
-            .map(|exponents| (0..DIM).fold(D::from(1.0), |product, d| product * power(xi[d], exponents[d], orders[d])))
-            .collect();
+        let monomial = |exponents: &[usize; DIM]| {
+            (0..DIM).fold(D::from(1.0), |product, d| product * power(xi[d], exponents[d], orders[d]))
+        };
+        let sum = |terms: &Vec<[usize; DIM]>| terms.iter().fold(D::from(0.0), |sum, term| sum + monomial(term));
+        let functions: Vec<D> = self.functions.iter().map(sum).collect();
         (0..self.num_nodes())
             .map(|i| {
-                monomials.iter().zip(self.coefficients.row(i).iter()).fold(D::from(0.0), |sum, (m, &c)| sum + *m * c)
+                functions.iter().zip(self.coefficients.row(i).iter()).fold(D::from(0.0), |sum, (m, &c)| sum + *m * c)
             })
             .collect()
     }
@@ -135,7 +136,7 @@ mod tests {
     #[test]
     fn derivatives_match_finite_differences() {
         let (h, xi) = (1e-5_f64, [0.31, -0.47]);
-        for kind in [FaceKind::Quad9, FaceKind::Tri6] {
+        for kind in [FaceKind::Quad9, FaceKind::Tri6, FaceKind::Tri7] {
             let shape = ShapeFunctions::of_face(kind).unwrap();
             for (orders, d) in [[0, 0], [1, 0], [0, 1]].into_iter().flat_map(|orders| [(orders, 0), (orders, 1)]) {
                 let (mut low, mut high, mut next) = (xi, xi, orders);

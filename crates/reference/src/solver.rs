@@ -125,6 +125,7 @@ impl ReferenceSolver {
             symmetry: _,
             // Words for the load parameter.
             clock: _,
+            given: _,
         } = problem;
         let held = problem.held_dofs().iter().enumerate().filter(|(_, held)| **held).map(|(dof, _)| dof).collect();
         let pressures = loads.iter().filter_map(|load| match load {

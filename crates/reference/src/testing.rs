@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use pneuflex_mesh::lattice::Lattice;
-use pneuflex_mesh::{Actuator, Mesh, MeshSize};
+use pneuflex_mesh::{Actuator, Mesh, MeshSize, ReferenceBody};
 use pneuflex_model::{
     Contact, ContactMethod, ContactPair, Curve, Formulation, Invariant, Material, Motion, Problem, Support,
 };
@@ -74,7 +74,7 @@ pub fn two_blocks(formulation: Formulation, method: ContactMethod, shifted: bool
     mesh.nodes.extend(right.nodes);
     let side = |x: f64| mesh.select_facets(|point| (point[0] - x).abs() < 1e-9);
     let contact_pairs = vec![ContactPair::new("gap", side(1.0), side(1.1))];
-    let per_cell = if formulation == Formulation::Tet10 { 2 } else { 1 };
+    let per_cell = if formulation.element.body == ReferenceBody::Tetrahedron { 2 } else { 1 };
     assert_eq!((contact_pairs[0].slave.len(), contact_pairs[0].master.len()), (4 * per_cell, 4 * per_cell));
     let problem = body(mesh, formulation, Material::default());
     Problem { contact: Contact { method, ..Contact::default() }, contact_pairs, ..problem }

@@ -44,8 +44,12 @@ mod tests {
     use super::*;
     use pneuflex_mesh::ElementKind;
 
-    const KINDS: [(ElementKind, usize, f64); 3] =
-        [(ElementKind::Hex8, 6, 8.0), (ElementKind::Hex27, 48, 8.0), (ElementKind::Tet10, 8, 1.0 / 6.0)];
+    const KINDS: [(ElementKind, usize, f64); 4] = [
+        (ElementKind::Hex8, 6, 8.0),
+        (ElementKind::Hex27, 48, 8.0),
+        (ElementKind::Tet10, 8, 1.0 / 6.0),
+        (ElementKind::Tet15, 24, 1.0 / 6.0),
+    ];
 
     #[test]
     fn the_parts_fill_the_element_and_use_every_node() {
@@ -70,6 +74,7 @@ mod tests {
             let per_face = match kind {
                 ElementKind::Hex8 => 2,
                 ElementKind::Hex27 => 8,
+                ElementKind::Tet15 => 6,
                 _ => 4,
             };
             assert!(faces.iter().all(|face| face.len() == per_face), "{kind:?}");

@@ -36,7 +36,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
     for (element, arch, slab) in [
         (Formulation::Hex8Q1p0, [24, 40], [32, 64]),
         (Formulation::Hex27, [12, 20], [16, 32]),
-        (Formulation::Tet10, [12, 20], [16, 32]),
+        (Formulation::Tet15, [12, 20], [16, 32]),
     ] {
         // One element and one mesh are enough for a quick look.
         let meshes = if effort == Effort::Quick { 1 } else { 2 };

@@ -28,7 +28,7 @@ const STATES: [(&str, [bool; 3], Transverse); 3] = [
 /// Rows of all elements.
 pub fn rows(_: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in Formulation::ALL {
+    for element in crate::ELEMENTS {
         for (name, stretched, transverse) in STATES {
             for stretch in [1.5, 2.0, 3.0] {
                 let material = material(1e4);

@@ -28,7 +28,7 @@ pub struct Checked {
     pub verdict: Result<(), String>,
 }
 
-const ALL: [Known; 15] = [
+const ALL: [Known; 16] = [
     Known { file: "cases/gravity_y_half.toml", changes: &[], is_quick: true, check: wants_the_whole },
     Known {
         file: "cases/gravity_y_half.toml",
@@ -105,6 +105,13 @@ const ALL: [Known; 15] = [
         changes: &[("mesh.resolution", "fine")],
         is_quick: false,
         check: |outcome| close("angle, degrees", last(&outcome)?.end_face_angle_deg, 4.58, 0.005),
+    },
+    // E κ²/24, whatever Poisson's ratio: a field that the elements contain.
+    Known {
+        file: "cases/tet10_bending.inp",
+        changes: &[],
+        is_quick: true,
+        check: |outcome| close("strain energy, mJ", last(&outcome)?.strain_energy_mj.into(), 1e-6 / 24.0, 1e-5),
     },
     // The mesh that it was found with takes 43 s; elements of 8 mm end in the same way in an eighth of that.
     Known {

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_kept() {
-        let row = Row::sequence("q", Formulation::Tet10, &[1], |_| ("1".into(), 1.0), None, 1.0, |_| Err("why".into()));
+        let row = Row::sequence("q", Formulation::Tet15, &[1], |_| ("1".into(), 1.0), None, 1.0, |_| Err("why".into()));
         assert!(!row.passes() && row.failure.as_deref() == Some("why"));
         assert!(row.with_known_limit(true).is_fault());
     }

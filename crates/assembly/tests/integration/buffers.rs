@@ -175,7 +175,9 @@ fn contributions_do_not_depend_on_what_their_buffers_held() {
     equations.set_parameter(LoadParameter(1.5));
     check_buffers("equations", &equations, &displacement(5));
 
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in
+        [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10, Formulation::Tet15]
+    {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint] {
             let (problem, u) = touching_cubes(formulation, method);
             let mut contact = ContactForces::of(&problem);

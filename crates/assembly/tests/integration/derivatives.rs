@@ -182,7 +182,9 @@ fn carry(solid: &mut Solid, displacement: &[[f64; 3]], correction: Option<&[[f64
 /// Pressure on an open surface: symmetric part and rim together are the derivative of the load.
 #[test]
 fn pressure_on_an_open_surface() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in
+        [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10, Formulation::Tet15]
+    {
         let mesh = skewed(formulation);
         let facets = mesh.boundary_facets().into_iter().filter(|facet| facet.element < 3).take(3).collect::<Vec<_>>();
         let (mut pressure, rim) =

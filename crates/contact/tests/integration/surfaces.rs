@@ -223,7 +223,7 @@ fn points_of(blocks: &[ContactBlock]) -> Vec<(usize, usize, u64)> {
 /// Without boxes, order, slabs and cones.
 #[test]
 fn the_search_finds_what_brute_force_finds() {
-    for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10] {
+    for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet15] {
         let mesh = strip(kind, 24.0, 24, 0.2);
         let itself = model(&mesh, self_pair(&mesh));
         for wave in [0.5, 1.1, 2.3] {

@@ -6,7 +6,7 @@ use pneuflex_model::Formulation;
 /// Elements that differ in their integration only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Family {
-    /// What it is solved with. The order of the nodes is the same everywhere.
+    /// The formulation of such elements. The order of the nodes is the same everywhere.
     pub formulation: Formulation,
     /// Whether a deck has the corners alone, which get the other nodes.
     pub is_linear: bool,
@@ -30,7 +30,7 @@ impl Family {
         Err(format!("only the solids {} and their variants are solved", first.join(", ")))
     }
 
-    /// Element family that it is solved with.
+    /// Its element family.
     pub const fn kind(self) -> ElementKind {
         self.formulation.table().element
     }
@@ -47,14 +47,14 @@ impl Family {
 
     /// What a user of the type should know.
     pub fn note(self, name: &str) -> String {
-        let element = self.formulation.name;
+        let words = self.words();
         if self.is_linear {
             return format!(
-                "{name} is solved with {element}: straight mid-edge nodes are added, because linear tetrahedra lock; results are those of \
+                "{name} are {words}: straight mid-edge nodes are added, because linear tetrahedra lock; results are those of \
                  a finer mesh, and node sets and supports take in the mid-edge nodes between their nodes on the surface"
             );
         }
-        format!("{name} is solved with {element}, {}", self.formulation.words)
+        format!("{name} are {words}")
     }
 
     /// Our number of Abaqus's face `number`, from 1.

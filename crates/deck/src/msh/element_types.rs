@@ -20,9 +20,9 @@ const TRI3: i32 = 2;
 impl Solid {
     /// By Gmsh's number of the type; `None` for surfaces, curves and points.
     pub fn of_type(number: i32) -> Option<Self> {
-        let is = |kind: &ElementKind| kind.gmsh.number == number || kind.gmsh.linear_number == Some(number);
+        let is = |kind: &ElementKind| kind.gmsh.number == Some(number) || kind.gmsh.linear_number == Some(number);
         let kind = ElementKind::ALL.into_iter().find(is)?;
-        Some(Self { kind, is_linear: kind.gmsh.number != number })
+        Some(Self { kind, is_linear: kind.gmsh.number != Some(number) })
     }
 
     /// In words.
@@ -38,7 +38,7 @@ impl Solid {
 }
 
 fn face_of_type(number: i32) -> Option<FaceKind> {
-    FaceKind::ALL.into_iter().find(|kind| kind.gmsh_type == number)
+    FaceKind::ALL.into_iter().find(|kind| kind.gmsh_type == Some(number))
 }
 
 /// Number of nodes of a supported type: solids, and the surfaces, curves and points that name pieces of their surface.

@@ -109,7 +109,11 @@ fn linear_tetrahedra_get_shared_mid_edge_nodes_which_follow_their_sets() {
     assert_eq!(held.iter().filter(|held| **held).count(), 6 + 3);
     let [pneuflex_model::load::Load::Force { nodes, .. }] = &deck.problem.loads[..] else { panic!() };
     assert_eq!(loaded(&deck, nodes), [2, 5]);
-    assert!(deck.notes[0].to_string().starts_with("a.inp:7: C3D4 is solved with tet10"), "{}", deck.notes[0]);
+    assert!(
+        deck.notes[0].to_string().starts_with("a.inp:7: C3D4 are tetrahedra with 4 nodes: straight"),
+        "{}",
+        deck.notes[0]
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What a family of solid elements is.
 
+use crate::element::ElementKind;
 use crate::face::FaceKind;
 
 /// The reference element that families have in common.
@@ -43,6 +44,8 @@ pub struct ElementFamily {
     pub fine_rule: fn() -> Vec<([f64; 3], f64)>,
     /// How lattice cells are divided into elements.
     pub lattice: LatticeCell,
+    /// The family that has the first of the nodes; the further ones lie in the faces and inside. A mesh of it can be enriched.
+    pub enriches: Option<ElementKind>,
     /// Local nodes of tetrahedra through all nodes, with positive volumes, for pictures; neighbours of one lattice are cut alike on the face
     /// they share. `None` if [`Self::completed_by`] is divided instead.
     pub tetrahedra: Option<fn() -> Vec<[u8; 4]>>,
@@ -70,7 +73,8 @@ pub struct Face {
 pub struct LatticeCell {
     /// Number of elements that one cell is divided into.
     pub elements: usize,
-    /// Positions (0, 1 or 2 along each axis) of the nodes of all elements, one after the other, on the cell with halved edges.
+    /// Positions (0, 1 or 2 along each axis) of the nodes of all elements, one after the other, on the cell with halved edges; of a family
+    /// with nodes elsewhere, those of the family that it enriches.
     pub nodes: fn() -> Vec<[usize; 3]>,
     /// Facets on the sides (−x, +x, −y, +y, −z, +z) of a cell: element within the cell and its local face.
     pub facets_on_sides: fn() -> [Vec<(usize, u8)>; 6],
@@ -92,8 +96,8 @@ pub struct AbaqusTypes {
 /// Types of Gmsh's meshes.
 #[derive(Debug)]
 pub struct GmshTypes {
-    /// Number of the type.
-    pub number: i32,
+    /// Number of the type; `None` if there is none.
+    pub number: Option<i32>,
     /// Type that has the corners alone and is given the other nodes.
     pub linear_number: Option<i32>,
     /// Gmsh's node for each of ours. Both begin with the same corners.

@@ -18,6 +18,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(3),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(20), [4.0, 17.3]),
+    enriches: None,
     tetrahedra: None,
     completed_by: Some(|| &hex27::FAMILY),
     vtk_cell_type: 25,
@@ -27,7 +28,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
         faces: &hexahedron::ABAQUS_FACES,
     },
     gmsh: GmshTypes {
-        number: 17,
+        number: Some(17),
         linear_number: None,
         order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
     },

@@ -2,6 +2,7 @@
 
 use super::descriptor::{AbaqusTypes, ElementFamily, Face, GmshTypes, ReferenceBody};
 use super::hexahedron;
+use crate::element::ElementKind;
 use crate::face::FaceKind;
 use crate::polynomial::quadratic_line;
 use crate::quadrature;
@@ -19,12 +20,13 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(3),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(27), [8.0, 23.0]),
+    enriches: Some(ElementKind::Hex20),
     tetrahedra: Some(|| hexahedron::tetrahedra(27, 2)),
     completed_by: None,
     vtk_cell_type: 29,
     abaqus: AbaqusTypes { names: &[], linear_names: &[], faces: &hexahedron::ABAQUS_FACES },
     gmsh: GmshTypes {
-        number: 12,
+        number: Some(12),
         linear_number: None,
         order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26],
     },

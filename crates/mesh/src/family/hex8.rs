@@ -18,6 +18,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(2),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(8), [1.0, 5.8]),
+    enriches: None,
     tetrahedra: Some(|| hexahedron::tetrahedra(8, 1)),
     completed_by: None,
     vtk_cell_type: 12,
@@ -26,7 +27,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
         linear_names: &[],
         faces: &hexahedron::ABAQUS_FACES,
     },
-    gmsh: GmshTypes { number: 5, linear_number: None, order: &[0, 1, 2, 3, 4, 5, 6, 7] },
+    gmsh: GmshTypes { number: Some(5), linear_number: None, order: &[0, 1, 2, 3, 4, 5, 6, 7] },
 };
 
 fn shape([x, y, z]: [f64; 3], values: &mut [f64], gradients: &mut [[f64; 3]]) {

@@ -6,6 +6,7 @@ pub mod hex27;
 pub mod hex8;
 mod hexahedron;
 pub mod tet10;
+pub mod tet15;
 pub(crate) mod tetrahedron;
 
 pub use descriptor::{AbaqusTypes, ElementFamily, Face, GmshTypes, LatticeCell, ReferenceBody};

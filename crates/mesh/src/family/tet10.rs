@@ -5,12 +5,7 @@ use super::tetrahedron;
 use crate::face::FaceKind;
 use crate::{kuhn, quadrature};
 
-static FACES: [Face; 4] = [
-    Face { kind: FaceKind::Tri6, nodes: &tetrahedron::FACES[0] },
-    Face { kind: FaceKind::Tri6, nodes: &tetrahedron::FACES[1] },
-    Face { kind: FaceKind::Tri6, nodes: &tetrahedron::FACES[2] },
-    Face { kind: FaceKind::Tri6, nodes: &tetrahedron::FACES[3] },
-];
+static FACES: [Face; 4] = tetrahedron::faces(FaceKind::Tri6, 6);
 
 static NODES: [[f64; 3]; 10] = [
     [0.0, 0.0, 0.0],
@@ -25,6 +20,14 @@ static NODES: [[f64; 3]; 10] = [
     [0.0, 0.5, 0.5],
 ];
 
+/// Six of a cell.
+pub const LATTICE: LatticeCell = LatticeCell {
+    elements: kuhn::TETRAHEDRA,
+    nodes: || kuhn::node_offsets().into_iter().flatten().collect(),
+    facets_on_sides: || kuhn::faces_on_sides().map(Vec::from),
+    nodes_per_cell: [8.0, 23.0],
+};
+
 /// The family.
 pub static FAMILY: ElementFamily = ElementFamily {
     body: ReferenceBody::Tetrahedron,
@@ -35,12 +38,8 @@ pub static FAMILY: ElementFamily = ElementFamily {
     shape,
     volume_rule: quadrature::tetrahedron_8,
     fine_rule: quadrature::tetrahedron_64,
-    lattice: LatticeCell {
-        elements: kuhn::TETRAHEDRA,
-        nodes: || kuhn::node_offsets().into_iter().flatten().collect(),
-        facets_on_sides: || kuhn::faces_on_sides().map(Vec::from),
-        nodes_per_cell: [8.0, 23.0],
-    },
+    lattice: LATTICE,
+    enriches: None,
     tetrahedra: Some(tetrahedra),
     completed_by: None,
     vtk_cell_type: 24,
@@ -49,7 +48,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
         linear_names: &["C3D4", "C3D4H"],
         faces: &tetrahedron::ABAQUS_FACES,
     },
-    gmsh: GmshTypes { number: 11, linear_number: Some(4), order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8] },
+    gmsh: GmshTypes { number: Some(11), linear_number: Some(4), order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8] },
 };
 
 /// Four at the corners, and four around a diagonal of the octahedron between them.

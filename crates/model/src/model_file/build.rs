@@ -84,6 +84,7 @@ impl Model {
         if build.errors.is_empty() {
             self.check_symmetry(&mut build, of_body);
         }
+        build.problem.follow_faces();
         let solver = self.solver.resolved(build.end, schedule.map(|(_, first)| first));
         if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
     }
@@ -337,8 +338,12 @@ impl Build<'_> {
 
     fn equation(&mut self, number: usize, table: &EquationTable) {
         let key = |term: usize| format!("equation[{number}].terms[{term}]");
-        let sets: Vec<Vec<u32>> =
+        let mut sets: Vec<Vec<u32>> =
             table.terms.iter().enumerate().map(|(j, (name, ..))| self.nodes(&key(j), name)).collect();
+        // Sets correspond node by node as the file has them; added nodes follow.
+        if let Some(given) = &self.problem.given {
+            sets.iter_mut().for_each(|set| set.retain(|&node| (node as usize) < given.mesh.num_nodes()));
+        }
         let count = sets.iter().map(Vec::len).max().unwrap_or(0);
         for (j, set) in sets.iter().enumerate() {
             if ![0, 1, count].contains(&set.len()) {

@@ -19,7 +19,7 @@ impl Model {
         }
         found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
         match &self.model {
-            Some(_) => self.mesh.check_absent(&mut found),
+            Some(_) => self.mesh.check_imported(&mut found),
             None => self.mesh.check(&mut found),
         }
         found.0.extend(self.material.iter().flat_map(|material| material.problems("material")));

@@ -83,7 +83,7 @@ fn materials() -> Vec<Material> {
 fn elements() {
     for formulation in Formulation::ALL {
         // Matrix functions of dual numbers take their time: Ogden's law on elements of few points.
-        let is_large = matches!(formulation, Formulation::Hex20 | Formulation::Hex27);
+        let is_large = matches!(formulation, Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15);
         let is_slow = |material: &Material| is_large && matches!(material.law, Law::Ogden { .. });
         for material in materials().into_iter().filter(|material| !is_slow(material)) {
             let mesh = skewed(formulation);
@@ -176,6 +176,24 @@ fn pressure() {
     }
 }
 
+/// The whole surface of a skewed cell, whose faces have a node at their centre.
+#[test]
+fn pressure_on_tetrahedra_with_bubbles() {
+    let mesh = Lattice::uniform([0.0; 3], [1.0; 3], [1; 3]).mesh_all(Formulation::Tet15.element_kind());
+    let mesh = mesh.map_nodes(|[x, y, z]| [x + 0.1 * y * z, y + 0.07 * x * z, z + 0.05 * x * x]);
+    let facets = mesh.boundary_facets();
+    let problem = body(mesh, Formulation::Tet15, Material::default());
+    let mut pressure = FollowerPressure::new(problem.mesh.clone(), &facets);
+    pressure.pressure = Pressure::from_mpa(0.3);
+    let u = noise(problem.mesh.num_nodes(), 0.05, 3);
+    let reference = AirModel::new(&problem, &facets, ACROSS_Y, 0.0).unwrap();
+    assert!((pressure.volume(&u) / reference.volume(u.as_flattened()) - 1.0).abs() < 1e-13);
+    let found = assembled(&[&pressure], &u);
+    let gradient = difference(&found.gradient, &reference.gradient(u.as_flattened(), 0.3));
+    let tangent = difference(&found.hessian, &reference.hessian(u.as_flattened(), 0.3));
+    assert!(gradient < 1e-12 && tangent < 1e-12, "{gradient:.1e}, {tangent:.1e}");
+}
+
 /// Two blocks with facing sides x = 1 (slave) and x = 1.1 (master), cut in different places.
 fn two_blocks(formulation: Formulation, method: ContactMethod) -> Problem {
     let kind = formulation.element_kind();
@@ -204,7 +222,9 @@ fn touching_forces(problem: &Problem, u: &[[f64; 3]]) -> ContactForces {
 
 #[test]
 fn contact() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in
+        [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10, Formulation::Tet15]
+    {
         for (method, least) in [(ContactMethod::SinglePoint, 3), (ContactMethod::MultiPoint, 40)] {
             let problem = two_blocks(formulation, method);
             let n = problem.mesh.num_nodes();

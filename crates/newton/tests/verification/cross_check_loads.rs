@@ -174,7 +174,7 @@ fn obstacles() {
         Shape::Cylinder { point: [0.0, 0.8, 2.02], axis: [1.0, 0.2, 0.0], radius: 1.0, is_hollow: false },
         Shape::Cuboid { centre: [1.3, 0.8, 1.52], size: [1.1, 2.7, 1.0], axes: turned, edge_radius: 0.2 },
     ];
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet15] {
         for shape in &shapes {
             let name = format!("{formulation}, {shape:?}");
             let mesh = Lattice::uniform([0.0; 3], [2.0, 2.0, 1.0], [2, 2, 1]).mesh_all(formulation.element_kind());

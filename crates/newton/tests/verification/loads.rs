@@ -192,7 +192,7 @@ fn equations_tie_a_face_to_one_of_its_nodes() {
 /// is unsymmetric and gravity on the slaves; and so do equations that chain nodes or refer all of them to one.
 #[test]
 fn eliminated_equations_are_those_with_multipliers() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet15] {
         let mut problem = block(formulation, 50.0);
         problem.material.density = 1.1;
         let end = problem.mesh.select_nodes(|x| (x[0] - SIDES[0]).abs() < 1e-9);
@@ -255,7 +255,7 @@ fn equations_prescribe_means() {
 /// Nothing but the contact holds the upper block: it starts in touch, without pressure.
 #[test]
 fn a_block_rests_on_another() {
-    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet10] {
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet15] {
         let side =
             |z: f64| Lattice::uniform([0.0, 0.0, z], [1.0, 1.0, z + 1.0], [2; 3]).mesh_all(formulation.element_kind());
         let (mut mesh, upper) = (side(0.0), side(1.0));

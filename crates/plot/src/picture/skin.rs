@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_skin_is_closed_and_looks_outwards() {
-        for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet10)] {
+        for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet15)] {
             let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
             assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
         }

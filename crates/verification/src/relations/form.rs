@@ -10,6 +10,7 @@ use pneuflex::{Analysis, Body as MemoryBody, Error, Study};
 use serde_json::json;
 
 use super::draw::{Body, Draw};
+use super::meshes::without_added_nodes;
 
 /// A kind of file in which a problem is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,21 +64,39 @@ impl Draw {
             (Form::Text, Self::Model(model, Some(body))) => {
                 Some(vec![text(model, "body.json", 1.0), ("body.json".into(), recorded(body).into_bytes())])
             }
-            (Form::Deck, Self::Model(model, Some(body))) if is_default(body) => {
-                Some(vec![text(model, "body.inp", 1.0), ("body.inp".into(), deck(body)?.into_bytes())])
+            (Form::Deck, Self::Model(model, Some(body))) => {
+                let (mesh, model) = imported(model, body);
+                Some(vec![text(&model, "body.inp", 1.0), ("body.inp".into(), deck(&mesh)?.into_bytes())])
             }
             // Written in metres, if the model file's own lengths are in mm.
-            (Form::Gmsh, Self::Model(model, Some(body))) if is_default(body) => {
-                Some(vec![text(model, "body.msh", 1e3), ("body.msh".into(), gmsh(&body.mesh, 1e-3).into_bytes())])
+            (Form::Gmsh, Self::Model(model, Some(body))) => {
+                let (mesh, model) = imported(model, body);
+                Some(vec![text(&model, "body.msh", 1e3), ("body.msh".into(), gmsh(&mesh, 1e-3).into_bytes())])
             }
             _ => None,
         }
     }
 }
 
-/// Whether the formulation is the one that bodies from decks and meshes get.
-pub(super) fn is_default(body: &Body) -> bool {
-    Formulation::of_kind(body.mesh.kind) == Some(body.formulation)
+/// The mesh that a deck or Gmsh has of a body, and the model file with the element that it then asks for: elements that no such file has come
+/// without the nodes that are added to them by default.
+fn imported(model: &Model, body: &Body) -> (Mesh, Model) {
+    let mesh = as_files_have_it(&body.mesh);
+    let by_default = Formulation::of_kind(mesh.kind.enriched().unwrap_or(mesh.kind));
+    let mut model = model.clone();
+    model.mesh.element = (by_default != Some(body.formulation)).then_some(body.formulation);
+    (mesh, model)
+}
+
+fn as_files_have_it(mesh: &Mesh) -> Mesh {
+    if mesh.kind.gmsh.number.is_none() { without_added_nodes(mesh) } else { mesh.clone() }
+}
+
+/// The mesh of a deck alone that is solved with the body's formulation; `None` if there is none.
+pub(super) fn of_deck_alone(body: &Body) -> Option<Mesh> {
+    let mesh = as_files_have_it(&body.mesh);
+    let by_default = Formulation::of_kind(mesh.kind.enriched().unwrap_or(mesh.kind));
+    (by_default == Some(body.formulation)).then_some(mesh)
 }
 
 fn in_memory(model: &Model, body: &Body) -> Result<Analysis, Error> {
@@ -104,14 +123,14 @@ pub(crate) fn recorded(Body { mesh, formulation }: &Body) -> String {
 }
 
 /// A deck with mesh and sets; `None` if no deck has such elements.
-fn deck(body: &Body) -> Option<String> {
+fn deck(mesh: &Mesh) -> Option<String> {
     let rest = "*MATERIAL, NAME=ANY\n*HYPERELASTIC, NEO HOOKE\n1., 0.1\n*SOLID SECTION, ELSET=ALL, MATERIAL=ANY\n*STEP, NLGEOM\n*STATIC\n\
                 *END STEP\n";
-    Some(deck_of_mesh(body)? + rest)
+    Some(deck_of_mesh(mesh)? + rest)
 }
 
 /// Nodes, elements, sets and surfaces of a deck.
-pub(super) fn deck_of_mesh(Body { mesh, .. }: &Body) -> Option<String> {
+pub(super) fn deck_of_mesh(mesh: &Mesh) -> Option<String> {
     let types = &mesh.kind.family().abaqus;
     let name = types.names.first()?;
     let mut text = String::from("*NODE, NSET=ALLNODES\n");
@@ -168,14 +187,14 @@ fn gmsh(mesh: &Mesh, scale: f64) -> String {
         pieces.entry((0, holders(&mesh.node_sets, node))).or_default().push((15, vec![*node]));
     }
     for facet in mesh.facet_sets.values().flatten().collect::<BTreeSet<_>>() {
-        let piece = (mesh.face_kind(*facet).gmsh_type, mesh.facet_nodes(*facet));
+        let piece = (mesh.face_kind(*facet).gmsh_type.unwrap_or_default(), mesh.facet_nodes(*facet));
         pieces.entry((2, holders(&mesh.facet_sets, facet))).or_default().push(piece);
     }
     for element in 0..mesh.num_elements() {
         let mut nodes = vec![0; family.nodes.len()];
         family.gmsh.order.iter().zip(mesh.element(element)).for_each(|(&at, &node)| nodes[at] = node);
         let sets = holders(&mesh.element_sets, &(element as u32));
-        pieces.entry((3, sets)).or_default().push((family.gmsh.number, nodes));
+        pieces.entry((3, sets)).or_default().push((family.gmsh.number.unwrap_or_default(), nodes));
     }
     let mut text = format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());
     for ((dimension, name), number) in &names {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex::mesh::shape::tabulate;
-use pneuflex::mesh::{ElementKind, Facet, Mesh};
+use pneuflex::mesh::{Facet, Mesh};
 
 use super::frame::inside_out;
 
@@ -39,9 +39,11 @@ pub fn whole(half: &Mesh) -> Mesh {
     whole
 }
 
-/// Hexahedra of 20 nodes for those of 27.
-pub fn without_middles(mesh: &Mesh) -> Mesh {
-    let connectivity: Vec<u32> = mesh.connectivity.chunks(27).flat_map(|nodes| nodes[..20].to_vec()).collect();
+/// The elements without the nodes in their faces and inside: hexahedra of 20 nodes for those of 27, tetrahedra of 10 for those of 15.
+pub fn without_added_nodes(mesh: &Mesh) -> Mesh {
+    let kind = mesh.kind.enriches.unwrap_or(mesh.kind);
+    let elements = mesh.connectivity.chunks(mesh.kind.num_nodes());
+    let connectivity: Vec<u32> = elements.flat_map(|nodes| nodes[..kind.num_nodes()].to_vec()).collect();
     let mut number = vec![u32::MAX; mesh.num_nodes()];
     connectivity.iter().for_each(|&node| number[node as usize] = 0);
     let kept: Vec<usize> = (0..number.len()).filter(|&node| number[node] == 0).collect();
@@ -49,7 +51,7 @@ pub fn without_middles(mesh: &Mesh) -> Mesh {
     let renumbered =
         |set: &Vec<u32>| set.iter().map(|&node| number[node as usize]).filter(|&new| new != u32::MAX).collect();
     Mesh {
-        kind: ElementKind::Hex20,
+        kind,
         nodes: kept.iter().map(|&node| mesh.nodes[node]).collect(),
         connectivity: connectivity.iter().map(|&node| number[node as usize]).collect(),
         node_sets: mesh.node_sets.iter().map(|(name, set)| (name.clone(), renumbered(set))).collect(),
@@ -129,6 +131,7 @@ pub fn refined(mesh: &Mesh) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneuflex::mesh::ElementKind;
     use pneuflex::mesh::lattice::Lattice;
 
     #[test]

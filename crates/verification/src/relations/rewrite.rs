@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pneuflex::mesh::Part;
+use pneuflex::mesh::{Part, ReferenceBody};
 use pneuflex::model::model_file::{
     CavityTable, ContactTable, ForceTable, Model, PressureTable, RegionTable, Series, Source, Steps, SupportTable,
     Times, TractionTable,
@@ -257,14 +257,14 @@ fn half_as_whole(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         Draw::Case(case) => {
             let mut second = Case { obstacles: both_sides(&case.obstacles)?, ..(**case).clone() };
             // Tetrahedra divide the other half as the first one, not as its mirror image.
-            let is_mirrored = case.mesh.formulation() != Formulation::Tet10;
+            let is_mirrored = case.mesh.formulation().element.body != ReferenceBody::Tetrahedron;
             let is_half = std::mem::replace(&mut second.actuator.part, Part::Whole) == Part::Half;
             (is_half && is_mirrored).then(|| first.against(&Draw::Case(Box::new(second)), &rule))?
         }
         Draw::Model(half, None) => {
             let mut second = whole_model(half)?;
             let actuator = second.actuator.as_mut()?;
-            let is_mirrored = half.mesh.formulation() != Formulation::Tet10;
+            let is_mirrored = half.mesh.formulation().element.body != ReferenceBody::Tetrahedron;
             let is_half = std::mem::replace(&mut actuator.part, Part::Whole) == Part::Half;
             (is_half && is_mirrored).then(|| first.against(&model(second, None), &rule))?
         }
@@ -641,10 +641,10 @@ fn other_element(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     let other = match body.formulation {
         Formulation::Hex8Sri => Formulation::Hex8Q1p0,
         Formulation::Hex27 => Formulation::Hex20,
-        Formulation::Hex8Q1p0 | Formulation::Hex20 | Formulation::Tet10 => return None,
+        Formulation::Hex8Q1p0 | Formulation::Hex20 | Formulation::Tet10 | Formulation::Tet15 => return None,
     };
     let fine = Body { mesh: meshes::refined(&body.mesh), formulation: body.formulation };
-    let mesh = if other == Formulation::Hex20 { meshes::without_middles(&fine.mesh) } else { fine.mesh.clone() };
+    let mesh = if other == Formulation::Hex20 { meshes::without_added_nodes(&fine.mesh) } else { fine.mesh.clone() };
     let second = model(old.clone(), Some(&Body { mesh, formulation: other }));
     let draw = model(old.clone(), Some(&fine));
     let analysis = draw.analysis(Form::Text)?;

@@ -8,7 +8,7 @@ use pneuflex::model::model_file::Model;
 use serde::de::DeserializeOwned;
 
 use super::draw::Draw;
-use super::form::{Form, is_default};
+use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
 pub const NOT_DRAWN: [(&str, &str); 13] = [
@@ -51,7 +51,7 @@ pub fn said(draw: &Draw) -> BTreeSet<String> {
         Draw::Case(_) => "case",
         Draw::Model(_, body) => {
             // As a mesh of Gmsh it is in metres.
-            if body.as_ref().is_some_and(is_default) {
+            if body.is_some() {
                 found.insert("model: model.scale".to_owned());
             }
             "model"

@@ -3,24 +3,23 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use pneuflex::mesh::Mesh;
 use pneuflex::model::model_file::{
     ContactTable, EquationTable, ForceTable, Model, PressureTable, RegionTable, Series, Steps, SupportTable,
 };
 use pneuflex::model::{ContactMethod, Law, Material};
 
 use super::draw::Body;
-use super::form::{deck_of_mesh, is_default, rows};
+use super::form::{deck_of_mesh, of_deck_alone, rows};
 
 /// Where a deck has no default: N/mm³.
 const STIFFNESS: f64 = 4.0;
 
 /// What a deck has words for of a model, as a model and as a deck; `None` if there is no such deck.
 pub fn both(model: &Model, body: &Body) -> Option<(Model, String)> {
-    if !is_default(body) {
-        return None;
-    }
+    let mesh = of_deck_alone(body)?;
     let spoken = in_words_of_decks(model)?;
-    let text = deck(&spoken, body)?;
+    let text = deck(&spoken, &mesh)?;
     Some((spoken, text))
 }
 
@@ -101,10 +100,9 @@ impl Step {
     }
 }
 
-fn deck(model: &Model, body: &Body) -> Option<String> {
-    let mesh = &body.mesh;
+fn deck(model: &Model, mesh: &Mesh) -> Option<String> {
     let times = &model.load.as_ref()?.times;
-    let mut text = deck_of_mesh(body)?;
+    let mut text = deck_of_mesh(mesh)?;
     for (set, facets) in &mesh.facet_sets {
         let nodes: BTreeSet<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
         let numbers = nodes.into_iter().map(|node| node as usize + 1);
