@@ -75,3 +75,10 @@ fn worst(law: Law, constants: &[f64], tests: &[Test]) -> [f64; 2] {
         if error > worst[0] { [error, band.largest_at_stretch] } else { worst }
     })
 }
+
+/// The largest stretch of tests, to three digits and no more than there is; `None` for compression alone.
+pub fn largest_stretch(tests: &[Test]) -> Option<f64> {
+    let largest = tests.iter().flat_map(|test| test.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
+    let rounded = (1e3 * largest).floor() / 1e3;
+    (rounded > 1.0).then_some(rounded)
+}

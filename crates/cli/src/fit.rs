@@ -16,7 +16,7 @@ use pneuflex::calibration::fit::{
     FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family,
 };
 use pneuflex::calibration::law::Family;
-use pneuflex::calibration::range::{Range, longest_range};
+use pneuflex::calibration::range::{Range, largest_stretch, longest_range};
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
@@ -257,14 +257,6 @@ fn why_no_constants(family: Family, fits: &[LawFit], not_fitted: &[NotFitted]) -
     };
     let reason = format!("{}: its {key} = {} MPa is not greater than 0", family.name(), significant(modulus));
     (reason, "fit another range with --from and --to, or add --stable")
-}
-
-/// To three digits, in no test more than was fitted; `None` for compression alone.
-fn largest_stretch(tests: &[Test]) -> Option<f64> {
-    let of_test = |test: &Test| test.points.iter().map(|p| p.stretch).fold(1.0, f64::max);
-    let largest = tests.iter().map(of_test).fold(1.0, f64::max);
-    let rounded = (1e3 * largest).floor() / 1e3;
-    (rounded > 1.0).then_some(rounded)
 }
 
 /// All laws that the points determine, and why the others are missing.

@@ -8,8 +8,9 @@ use pneuflex::calibration::curve::{
 };
 use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family};
 use pneuflex::calibration::law::{Family, Mode};
-use pneuflex::calibration::library::{ENTRIES, identifier};
-use pneuflex::calibration::range::{longest_range, up_to};
+use pneuflex::calibration::library::{ENTRIES, Entry, identifier};
+use pneuflex::calibration::range::{largest_stretch, longest_range, up_to};
+use pneuflex::model::Material;
 use pneuflex::{Error, InputError, input_file};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -119,7 +120,8 @@ pub fn fit(
         // Ogden's exponents are looked for before its moduli.
         let found = law_of_family(wanted, &tests, residuals).and_then(|law| fit_law(law, &tests, &options));
         let found = found.map_err(|error| InputError::new(format!("{} cannot be fitted: {error}", wanted.name())))?;
-        let material = pneuflex::model::Material::from(found.law.with_constants(&found.values()));
+        let material = Material::from(found.law.with_constants(&found.values()));
+        let material = Material { fitted_to: largest_stretch(&tests), ..material };
         let problems = material.problems("material");
         if let Some(problem) = problems.first() {
             return Err(InputError::new(format!("the fitted constants cannot be used: {problem}")).into());
@@ -132,7 +134,10 @@ pub fn fit(
 /// Known silicones as JSON.
 #[pyfunction]
 pub fn materials(py: Python<'_>) -> PyResult<String> {
-    let entry = |(number, entry)| json!({ "identifier": identifier(number), "entry": entry });
+    let entry = |(number, entry): (usize, &Entry)| {
+        let fitted_to = entry.fit.and_then(|fit| fit.largest_stretch());
+        json!({ "identifier": identifier(number), "entry": entry, "fitted_to": fitted_to })
+    };
     let all: Vec<_> = ENTRIES.iter().enumerate().map(entry).collect();
     serde_json::to_string(&all).map_err(|error| wrong(py, error.to_string()))
 }
