@@ -42,8 +42,7 @@ fn in_words_of_decks(model: &Model) -> Option<Model> {
             .filter(|region| region.elements.is_some())
             .map(|region| RegionTable { material: material(&region.material), ..region.clone() })
             .collect(),
-        // Decks know supports only, no planes of symmetry.
-        supports: model.supports.iter().map(|table| SupportTable { symmetry: false, ..table.clone() }).collect(),
+        supports: model.supports.iter().map(|table| without_symmetry(table, &model.supports)).collect(),
         equations: (model.equations.iter())
             .filter(|equation| equation.value.is_none() && !is_moved)
             .map(|equation| EquationTable { value: None, ..equation.clone() })
@@ -71,6 +70,15 @@ fn in_words_of_decks(model: &Model) -> Option<Model> {
         solver: Steps { max_iterations: None, ..Steps::default() },
         ..Model::default()
     })
+}
+
+/// Decks know supports only, no planes of symmetry. What moves nodes out of such a plane, which is refused where the plane is declared,
+/// contradicts it in its edge: what a node in the middle of a face does there is for the file to say, and decks do not know such nodes.
+fn without_symmetry(table: &SupportTable, all: &[SupportTable]) -> SupportTable {
+    let is_plane = |axis: char| all.iter().any(|other| other.symmetry && other.axes.contains(axis));
+    let along = |(axis, component): (char, f64)| if is_plane(axis) { 0.0 } else { component };
+    let displacement = table.displacement.map(|[x, y, z]| [('x', x), ('y', y), ('z', z)].map(along));
+    SupportTable { symmetry: false, displacement, ..table.clone() }
 }
 
 /// Amplitudes by the total time, and what stands in the first step.
