@@ -383,13 +383,13 @@ fn one_newton_step() {
     }
 }
 
-/// Follows the path of two chambers both ways; at the last two of the three pressures they touch.
+/// Follows the path of two chambers both ways; at 5 kPa, where all methods of contact are alike, they do not touch, later they do.
 fn check_path(formulation: Formulation, invariant: Invariant, method: ContactMethod) {
     let name = format!("{formulation} {invariant:?} {method:?}");
     let problem = coarse_chambers(formulation, invariant, method);
-    let pressures = [5.0, 20.0, 35.0];
-    let (reference, expected) = follow_reference(&problem, &pressures);
-    let found = follow(&problem, &pressures, &strict());
+    let pressures = if method == ContactMethod::MultiPoint { &[5.0, 20.0, 35.0][..] } else { &[20.0, 35.0] };
+    let (reference, expected) = follow_reference(&problem, pressures);
+    let found = follow(&problem, pressures, &strict());
     for (found, expected) in found.iter().zip(&expected) {
         let active = touching(&reference, expected);
         assert_eq!(found.contact_points, active, "{name}");

@@ -142,7 +142,7 @@ pub fn follow(problem: &Problem, pressures_kpa: &[f64], settings: &Solver) -> Ve
 #[track_caller]
 pub fn follow_reference(problem: &Problem, pressures_kpa: &[f64]) -> (ReferenceSolver, Vec<ReferenceState>) {
     let solver = ReferenceSolver::new(problem).unwrap();
-    let options = PathOptions { max_step: 15.0, ..PathOptions::default() };
+    let options = PathOptions { max_step: 20.0, ..PathOptions::default() };
     let states = solver.follow_path(pressures_kpa, &options).unwrap();
     (solver, states)
 }
