@@ -163,7 +163,7 @@ fn report(arguments: &Arguments) -> Outcome<Record> {
     figures.extend(figures::shapes(extent, &solutions, &measured)?);
     figures.extend(figures::rods(&rods, &solutions)?);
     figures.extend(figures::tornado(&record.sensitivities)?);
-    write(&folder, &figures, &record, &page::write(&record, &figures, &rods, &solutions)?)?;
+    write(&folder, &figures, (arguments.extent, &record), &page::write(&record, &figures, &rods, &solutions)?)?;
     if arguments.docs {
         write_docs(&root.join("docs"), &figures, &record)?;
     }
@@ -220,7 +220,9 @@ fn missing(measured: &[MeasuredPoint]) -> Vec<String> {
     missing
 }
 
-fn write(folder: &Path, figures: &[Figure], record: &Record, page: &str) -> Outcome<()> {
+fn write(folder: &Path, figures: &[Figure], (extent, record): (Extent, &Record), page: &str) -> Outcome<()> {
+    // Nobody looks at those of CI.
+    let scale = if extent == Extent::Quick { 0.5 } else { 1.5 };
     fs::create_dir_all(folder).map_err(|e| Failure::at(folder, e))?;
     let put = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
@@ -228,7 +230,7 @@ fn write(folder: &Path, figures: &[Figure], record: &Record, page: &str) -> Outc
     };
     for figure in figures {
         put(&format!("{}.svg", figure.name), figure.drawing.to_svg()?.as_bytes())?;
-        put(&format!("{}.png", figure.name), &figure.drawing.to_png(1.5)?)?;
+        put(&format!("{}.png", figure.name), &figure.drawing.to_png(scale)?)?;
     }
     put("validation.json", json(record)?.as_bytes())?;
     put("index.html", page.as_bytes())
