@@ -94,6 +94,25 @@ def test_bad_arrays_are_refused() -> None:
             model.set({"support": [{"nodes": "clamp", "axes": "xyz"}]}).solve()
 
 
+@pytest.mark.parametrize("element, stable", [("tet10", "tet15"), ("hex20", "hex27")])
+def test_elements_whose_pressures_are_not_stable_are_given_nodes(element: str, stable: str) -> None:
+    mesh = Case.actuator(1, mesh={"size": 6, "element": element}).check()
+    cells = mesh.connectivity.reshape(mesh.cells, -1)
+    of = lambda **more: Model.from_arrays(  # noqa: E731
+        mesh.points,
+        cells,
+        material="dragon-skin-30",
+        node_sets={"all": np.arange(mesh.nodes)},
+        supports=[{"nodes": "all", "axes": "xyz"}],
+        times=[1.0],
+        **more,
+    ).check()
+    for check in (of(), of(element=stable)):
+        assert check.element == stable and check.nodes > mesh.nodes
+        assert np.array_equal(check.points[: mesh.nodes], mesh.points)
+    assert of(element=element).element == element and of(element=element).nodes == mesh.nodes
+
+
 def test_models_and_decks_are_read() -> None:
     model = Model.load(FIXTURES / "models/gripper.toml")
     assert "obstacle" in model.values
@@ -154,7 +173,7 @@ def test_meshes_of_pyvista_are_taken_as_they_are() -> None:
         Model.from_mesh("mesh.vtu")
 
 
-@pytest.mark.parametrize("element, kind", [("hex27", 29), ("hex20", 25), ("tet10", 24), ("hex8-q1p0", 12)])
+@pytest.mark.parametrize("element, kind", [("hex27", 29), ("hex20", 25), ("tet10", 24), ("tet15", 71), ("hex8-q1p0", 12)])
 def test_meshes_are_those_of_vtk(element: str, kind: int) -> None:
     pytest.importorskip("pyvista")
     check = Case.actuator(1, mesh={"size": 6, "element": element}).check()

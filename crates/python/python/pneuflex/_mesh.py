@@ -13,6 +13,9 @@ from ._errors import InputError
 VTK_CELLS = {8: "hex8-q1p0", 20: "hex20", 27: "hex27", 10: "tet10"}
 """The element for a number of nodes of a cell."""
 
+STABLE = {"hex20": "hex27", "tet10": "tet15"}
+"""The element with further nodes that is solved in the place of one whose pressures are not stable."""
+
 SOLID = {"hexahedron": 8, "hexahedron20": 20, "hexahedron27": 27, "tetra10": 10}
 FACES = ("quad", "quad8", "quad9", "triangle6", "triangle")
 OTHER_SOLID = ("tetra", "wedge", "wedge15", "wedge18", "pyramid", "pyramid13", "pyramid14", "hexahedron24")

@@ -16,7 +16,7 @@ from . import _native
 from ._arrays import Floats, Integers, faces, floats, integers, matrix, members, numbers
 from ._errors import InputError
 from ._materials import as_material
-from ._mesh import VTK_CELLS, parts_of
+from ._mesh import STABLE, VTK_CELLS, parts_of
 from ._result import Hearing, Result, State, _Body, follow, key_of_positions
 from ._toml import flat, to_toml
 
@@ -452,7 +452,8 @@ class Model(Study):
             Named faces: cell and number of the face in it, shape (k, 2); or the nodes of every face, shape (k, nodes of a face), as
             surface meshes have them; or a truth value for each node, for the faces of the surface all of whose nodes are meant.
         element
-            ``hex27``, ``hex20``, ``tet10``, ``hex8-q1p0`` (the default for 8 nodes) or ``hex8-sri``.
+            By default ``hex8-q1p0`` for 8 nodes, ``hex27`` for 20 and 27, and ``tet15`` for 10: nodes are added in faces and inside, behind
+            those that are given, without which the pressures would not be stable. ``hex8-sri``, ``hex20`` and ``tet10`` are solved as they are.
         scale
             Millimetres per unit of length of the nodes.
         regions, supports, equations, cavities, forces, tractions, pressures, gravity, contacts, obstacles, probes, solver
@@ -480,7 +481,11 @@ class Model(Study):
             if size not in VTK_CELLS:
                 help = "; add the nodes in the middle of the edges first" if size == 4 else ""
                 raise InputError(f"cells of {size} nodes cannot be solved: 8, 20 and 27 are hexahedra, 10 tetrahedra{help}")
-            element = VTK_CELLS[size]
+            given, element = VTK_CELLS[size], STABLE.get(VTK_CELLS[size])
+        elif size in VTK_CELLS and STABLE.get(VTK_CELLS[size]) == element:
+            given = VTK_CELLS[size]
+        else:
+            given, element = element, None
         several = {
             "region": regions,
             "support": supports,
@@ -503,6 +508,7 @@ class Model(Study):
             "gravity": gravity,
             "solver": solver,
             "load": {"times": _list(times)} if times is not None else None,
+            "mesh": {"element": element} if element is not None else None,
         }
         lines = [f"{key} = {to_toml(value, key)}" for key, value in tables.items() if value is not None]
         for key, rows in several.items():
@@ -514,7 +520,7 @@ class Model(Study):
             "from_mesh",
             title or "model",
             "\n".join(lines) + "\n",
-            element,
+            given,
             positions.tobytes(),
             numbers(connectivity, "cells", count),
             members(node_sets, count, "node"),
