@@ -46,6 +46,20 @@ pub struct Test {
     pub weight: f64,
 }
 
+impl Test {
+    /// Largest stretch of its points; 1 for compression alone.
+    pub fn largest_stretch(&self) -> f64 {
+        self.points.iter().map(|p| p.stretch).fold(1.0, f64::max)
+    }
+
+    /// The same test with no more than so many of its points, at equal distances in their order.
+    pub(crate) fn thinned(&self, most: usize) -> Self {
+        let stride = self.points.len().div_ceil(most).max(1);
+        let points = self.points.iter().copied().step_by(stride).collect();
+        Self { points, name: self.name.clone(), ..*self }
+    }
+}
+
 /// What is minimised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]

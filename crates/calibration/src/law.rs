@@ -183,6 +183,16 @@ impl Family {
             Self::Ogden => "Ogden",
         }
     }
+
+    /// Name in case files and options.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Yeoh => "yeoh",
+            Self::NeoHookean => "neo-hooke",
+            Self::MooneyRivlin => "mooney-rivlin",
+            Self::Ogden => "ogden",
+        }
+    }
 }
 
 /// A law that is linear in its constants.

@@ -27,22 +27,10 @@ pub struct Entry {
 pub struct OwnFit {
     /// File in `fixtures/curves`.
     pub curve: &'static str,
-    /// Largest stretch of the fit; beyond the curve's end if all of it was fitted.
+    /// Largest stretch of the fit.
     pub to: f64,
     /// Arguments of `pneuflex fit` after the file.
     pub arguments: &'static str,
-}
-
-impl OwnFit {
-    /// Largest stretch of the points that were fitted, where the curve goes on to it.
-    pub fn largest_stretch(&self) -> Option<f64> {
-        match self.curve {
-            // All points of these were fitted.
-            "rtv615.csv" => Some(self.to.min(2.93)),
-            "meunier_2008.csv" => Some(2.17),
-            _ => Some(self.to),
-        }
-    }
 }
 
 const MARECHAL: &str = "own fit to the curve of Marechal et al. 2020, Soft Robotics, doi 10.1089/soro.2019.0115 (database under \
@@ -56,12 +44,12 @@ const XU_LIU: &str = "Xu & Liu 2020, Effective enhanced model for a large deform
 const UNKNOWN: &str = "not stated";
 
 const fn own(name: &'static str, curve: &'static str, to: f64, constants: [f64; 3]) -> Entry {
-    let (range, arguments) = if to > 9.0 {
-        ("uniaxial, the whole curve, stretch 1 to 2.93", "--residuals absolute --to all")
-    } else if to > 3.0 {
+    let (range, arguments) = if to == 4.0 {
         ("uniaxial, stretch 1 to 4", "--residuals absolute --to 4")
-    } else {
+    } else if to == 2.0 {
         ("uniaxial, stretch 1 to 2", "--residuals absolute --to 2")
+    } else {
+        ("uniaxial, the whole curve, stretch 1 to 2.93", "--residuals absolute --to all")
     };
     Entry { name, constants, range, source: MARECHAL, fit: Some(OwnFit { curve, to, arguments }), bulk_modulus: None }
 }
@@ -90,7 +78,7 @@ pub const ENTRIES: [Entry; 22] = [
     published("Dragon Skin 30", [0.1536, 0.0016, 0.0]),
     own("Mold Star 16 FAST", "mold_star_16_fast.csv", 4.0, [0.0422276, 0.00289065, -4.37234e-5]),
     own("Mold Star 16 FAST", "mold_star_16_fast.csv", 2.0, [0.0405808, 0.00369622, -0.000217919]),
-    own("RTV615", "rtv615.csv", 10.0, [0.162806, 0.0140725, 0.000913052]),
+    own("RTV615", "rtv615.csv", 2.932, [0.162806, 0.0140725, 0.000913052]),
     own("RTV615", "rtv615.csv", 2.0, [0.16581, 0.0127241, 0.000987216]),
     Entry {
         name: "Silicone of Meunier 2008",

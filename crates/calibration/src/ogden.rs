@@ -1,7 +1,6 @@
 //! The exponents of Ogden's law. With them given the law is linear in its moduli; they themselves are searched for from many starts, because
 //! the sum of squares has many minima.
 
-use crate::curve::Point;
 use crate::fit::{FitError, Residuals, Test, share_left};
 use crate::law::{Exponents, Law, MOST_TERMS};
 
@@ -35,7 +34,7 @@ const ENOUGH: f64 = 1e-6;
 /// # Errors
 /// Points that determine not even one term.
 pub fn find(tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
-    let thinned: Vec<Test> = tests.iter().map(thinned).collect();
+    let thinned: Vec<Test> = tests.iter().map(|test| test.thinned(MOST_POINTS)).collect();
     let squares = |exponents: &[i32]| share_left(Law::Ogden(Exponents::new(exponents)), &thinned, residuals);
     let mut best: Option<(f64, Vec<i32>)> = None;
     let mut before: Vec<Vec<i32>> = vec![Vec::new()];
@@ -88,10 +87,4 @@ fn descend(start: (f64, Vec<i32>), squares: &impl Fn(&[i32]) -> Option<f64>) -> 
         }
     }
     (least, place)
-}
-
-fn thinned(test: &Test) -> Test {
-    let stride = test.points.len().div_ceil(MOST_POINTS).max(1);
-    let points: Vec<Point> = test.points.iter().copied().step_by(stride).collect();
-    Test { points, ..test.clone() }
 }

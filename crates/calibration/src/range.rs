@@ -13,6 +13,12 @@ const MOST_CONSTANTS: usize = 3;
 /// By how much the strain at a range's end falls from one trial to the next.
 const RATIO: f64 = 0.9;
 
+/// Points of a test that a range is judged by.
+const MOST_POINTS: usize = 3000;
+
+/// A law that follows a curve to this many times the strain is worth a word.
+const WORTH_ANOTHER_LAW: f64 = 1.2;
+
 /// Where no range is within the tolerance, one whose error is this many times the least is as good.
 const AS_GOOD: f64 = 1.1;
 
@@ -27,18 +33,34 @@ pub struct Range {
     pub of_all: [f64; 2],
 }
 
+impl Range {
+    /// Why points are left out, for a note; `None` if none are.
+    pub fn words(&self, family: Family) -> Option<String> {
+        let [error, at] = self.of_all;
+        self.to.is_finite().then(|| {
+            format!(
+                "points above stretch {:.3} are not fitted: with them {} would be off by {:.0} % at stretch {at:.2}",
+                self.to,
+                family.name(),
+                100.0 * error
+            )
+        })
+    }
+}
+
 /// The longest range that a law can follow within [`TOLERANCE`] at every strain from 10 % on; if there is none, the longest of those where it
 /// comes closest.
 ///
 /// # Errors
 /// As [`crate::fit::fit`], for all points.
 pub fn longest_range(family: Family, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
+    let tests: &[Test] = &tests.iter().map(|test| test.thinned(MOST_POINTS)).collect::<Vec<_>>();
     let error = |tests: &[Test]| {
         let law = law_of_family(family, tests, residuals)?;
         Ok::<_, FitError>(worst(law, &free_constants(law, tests, residuals)?, tests))
     };
     let of_all = error(tests)?;
-    let largest = tests.iter().flat_map(|t| t.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
+    let largest = tests.iter().map(Test::largest_stretch).fold(1.0, f64::max);
     let mut tried = vec![(f64::INFINITY, of_all[0])];
     let mut strain = RATIO * (largest - 1.0);
     while of_all[0] > TOLERANCE && strain >= LEAST_STRAIN {
@@ -56,6 +78,21 @@ pub fn longest_range(family: Family, tests: &[Test], residuals: Residuals) -> Re
     let bound = (AS_GOOD * least).max(TOLERANCE);
     let &(to, error) = tried.iter().find(|t| t.1 <= bound).unwrap_or(&tried[0]);
     Ok(Range { to, error, of_all })
+}
+
+/// The family that follows the tests furthest, or closely where `own`, the range of the `chosen` one, is not: if there is one that is worth a
+/// word, with its range.
+pub fn better_family(chosen: Family, own: &Range, tests: &[Test], residuals: Residuals) -> Option<(Family, Range)> {
+    let largest = tests.iter().map(Test::largest_stretch).fold(1.0, f64::max);
+    let strain = |range: &Range| range.to.min(largest) - 1.0;
+    let (family, other) = Family::ALL
+        .into_iter()
+        .filter(|family| *family != chosen)
+        .filter_map(|family| Some((family, longest_range(family, tests, residuals).ok()?)))
+        .filter(|(_, other)| other.error <= own.error.max(TOLERANCE))
+        .max_by(|a, b| strain(&a.1).total_cmp(&strain(&b.1)))?;
+    let is_closer = own.error > TOLERANCE && other.error <= TOLERANCE;
+    (is_closer || strain(&other) > WORTH_ANOTHER_LAW * strain(own)).then_some((family, other))
 }
 
 /// The tests without the points above a stretch.
@@ -78,7 +115,7 @@ fn worst(law: Law, constants: &[f64], tests: &[Test]) -> [f64; 2] {
 
 /// The largest stretch of tests, to three digits and no more than there is; `None` for compression alone.
 pub fn largest_stretch(tests: &[Test]) -> Option<f64> {
-    let largest = tests.iter().flat_map(|test| test.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
+    let largest = tests.iter().map(Test::largest_stretch).fold(1.0, f64::max);
     let rounded = (1e3 * largest).floor() / 1e3;
     (rounded > 1.0).then_some(rounded)
 }

@@ -9,14 +9,13 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use pneuflex::calibration::bands::TOLERANCE;
 use pneuflex::calibration::clean::{Cleaned, clean};
 use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
 use pneuflex::calibration::fit::{
     FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family,
 };
 use pneuflex::calibration::law::Family;
-use pneuflex::calibration::range::{Range, largest_stretch, longest_range};
+use pneuflex::calibration::range::{Range, better_family, largest_stretch, longest_range};
 
 pub use arguments::FitArguments;
 use arguments::LawArgument;
@@ -30,9 +29,6 @@ use pneuflex::{InputError, OutputFolder, input_file, json};
 use crate::error::CliError;
 use crate::outcome::Outcome;
 use crate::terminal::say;
-
-/// A law that follows a curve to this many times the strain is worth a word.
-const WORTH_ANOTHER_LAW: f64 = 1.2;
 
 /// A test that is ready to be fitted.
 pub struct Prepared {
@@ -89,12 +85,9 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         }
         files.push(FileNote { file: name, understood: reading.understood });
     }
-    let better = if arguments.gives_end() {
-        None
-    } else {
-        let better = better_law(&tests, chosen(arguments), arguments.residuals());
-        shorten(&mut tests, chosen(arguments), arguments.residuals());
-        better
+    let better = match arguments.gives_end() {
+        true => None,
+        false => shorten(&mut tests, chosen(arguments), arguments.residuals()),
     };
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
@@ -149,59 +142,32 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     }
 }
 
-/// A law that follows the curves further, or more closely, than the chosen one, in a sentence.
-fn better_law(tests: &[Prepared], chosen: Family, residuals: Residuals) -> Option<String> {
-    let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
-    let largest = all.iter().flat_map(|t| t.points.iter().map(|p| p.stretch)).fold(1.0, f64::max);
-    let range = |family| longest_range(family, &all, residuals).ok();
-    let end = |range: Range| range.to.min(largest);
-    let own = range(chosen)?;
-    let others = Family::ALL.into_iter().filter(|family| *family != chosen);
-    let (family, other) = others
-        .filter_map(|family| Some((family, range(family)?)))
-        .filter(|(_, other)| other.error <= own.error.max(TOLERANCE))
-        .max_by(|a, b| end(a.1).total_cmp(&end(b.1)))?;
-    let is_closer = own.error > TOLERANCE && other.error <= TOLERANCE;
-    let is_longer = end(other) - 1.0 > WORTH_ANOTHER_LAW * (end(own) - 1.0);
-    (is_closer || is_longer).then(|| {
-        format!(
-            "{} follows these points to stretch {:.2} within {:.0} % (--law {}), {} to {:.2} within {:.0} %",
-            family.name(),
-            end(other),
-            (100.0 * other.error).ceil(),
-            family.name().to_lowercase().replace("hookean", "hooke"),
-            chosen.name(),
-            end(own),
-            (100.0 * own.error).ceil(),
-        )
-    })
-}
-
-/// Leaves out what the law cannot follow together with the strains that actuators see.
-fn shorten(tests: &mut [Prepared], family: Family, residuals: Residuals) {
+/// Leaves out what the chosen law cannot follow together with the strains that actuators see. A law that follows the curves further, or more
+/// closely, is named in a sentence.
+fn shorten(tests: &mut [Prepared], chosen: Family, residuals: Residuals) -> Option<String> {
     let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     // What cannot be fitted is said later.
-    let Ok(range) = longest_range(family, &all, residuals) else { return };
-    if range.to.is_infinite() {
-        return;
-    }
-    let [error, at] = range.of_all;
-    for prepared in tests {
-        let (inside, outside): (Vec<Point>, Vec<Point>) =
-            prepared.test.points.iter().partition(|p| p.stretch <= range.to);
-        if !outside.is_empty() {
-            prepared.cleaned.notes.push(format!(
-                "{} points above stretch {:.3} are not fitted: with them {} would be off by {:.0} % at stretch {at:.2}; --to all fits \
-                 them, too",
-                outside.len(),
-                range.to,
-                family.name(),
-                100.0 * error,
-            ));
+    let own = longest_range(chosen, &all, residuals).ok()?;
+    if let Some(why) = own.words(chosen) {
+        for Prepared { test, cleaned, .. } in tests {
+            let (inside, outside): (Vec<Point>, Vec<Point>) = test.points.iter().partition(|p| p.stretch <= own.to);
+            if !outside.is_empty() {
+                cleaned.notes.push(format!("{} {why}; --to all fits them, too", outside.len()));
+            }
+            test.points = inside;
+            cleaned.unused.extend(outside);
         }
-        prepared.test.points = inside;
-        prepared.cleaned.unused.extend(outside);
     }
+    let (better, other) = better_family(chosen, &own, &all, residuals)?;
+    let largest = all.iter().map(Test::largest_stretch).fold(1.0, f64::max);
+    let reach = |range: &Range| format!("to {:.2} within {:.0} %", range.to.min(largest), (100.0 * range.error).ceil());
+    let [ours, theirs] = [reach(&own), reach(&other)];
+    Some(format!(
+        "{} follows these points {theirs} (--law {}), {} {ours}; largest stretches and errors from 10 % strain on",
+        better.name(),
+        better.key(),
+        chosen.name()
+    ))
 }
 
 /// The text of a file, of which no more is read than may be.

@@ -160,6 +160,6 @@ fn table(index: usize) -> String {
             (snippet::BULK_RATIO * material.shear_modulus(), "1000 times the initial shear modulus 2 c10".to_owned())
         }
     };
-    let fitted_to = entry.fit.and_then(|fit| fit.largest_stretch());
+    let fitted_to = entry.fit.map(|fit| fit.to);
     snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)
 }

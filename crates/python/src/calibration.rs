@@ -8,7 +8,7 @@ use pneuflex::calibration::curve::{
 };
 use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family};
 use pneuflex::calibration::law::{Family, Mode};
-use pneuflex::calibration::library::{ENTRIES, Entry, identifier};
+use pneuflex::calibration::library::{ENTRIES, identifier};
 use pneuflex::calibration::range::{largest_stretch, longest_range, up_to};
 use pneuflex::model::Material;
 use pneuflex::{Error, InputError, input_file};
@@ -105,14 +105,10 @@ pub fn fit(
     // What cannot be fitted is said later.
     if range.1.is_none()
         && let Ok(range) = longest_range(wanted, &tests, residuals)
-        && range.to.is_finite()
+        && let Some(why) = range.words(wanted)
     {
-        let [error, at] = range.of_all;
-        let (to, law, error) = (range.to, wanted.name(), 100.0 * error);
-        notes.push(format!(
-            "points above stretch {to:.3} are not fitted: with them {law} would be off by {error:.0} % at stretch {at:.2}"
-        ));
-        tests = up_to(&tests, to);
+        notes.push(why);
+        tests = up_to(&tests, range.to);
     }
     let largest = largest_i1_minus_3(&tests);
     let options = FitOptions { residuals, stable_up_to: is_stable.then(|| stable.unwrap_or(largest)) };
@@ -134,10 +130,7 @@ pub fn fit(
 /// Known silicones as JSON.
 #[pyfunction]
 pub fn materials(py: Python<'_>) -> PyResult<String> {
-    let entry = |(number, entry): (usize, &Entry)| {
-        let fitted_to = entry.fit.and_then(|fit| fit.largest_stretch());
-        json!({ "identifier": identifier(number), "entry": entry, "fitted_to": fitted_to })
-    };
+    let entry = |(number, entry)| json!({ "identifier": identifier(number), "entry": entry });
     let all: Vec<_> = ENTRIES.iter().enumerate().map(entry).collect();
     serde_json::to_string(&all).map_err(|error| wrong(py, error.to_string()))
 }
@@ -190,11 +183,5 @@ fn decimal_sign(text: &str) -> Option<DecimalSign> {
 }
 
 fn family_of(text: &str) -> Option<Family> {
-    match text {
-        "yeoh" => Some(Family::Yeoh),
-        "neo-hooke" | "neo-hookean" => Some(Family::NeoHookean),
-        "mooney-rivlin" => Some(Family::MooneyRivlin),
-        "ogden" => Some(Family::Ogden),
-        _ => None,
-    }
+    Family::ALL.into_iter().find(|family| [family.key(), &family.name().to_lowercase()].contains(&text))
 }

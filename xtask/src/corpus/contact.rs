@@ -1,28 +1,14 @@
 //! Random actuators that meet something: a table, a ball, a bar or a box, which stays where it is or is moved.
 
-use super::design::{Design, Drawn, QUANTITIES, geometric, latin_hypercube};
+use super::design::{self, Design, Drawn, Problem, QUANTITIES, geometric};
 
 /// Quantities of a problem: those of its actuator, and its own.
 const ALL: usize = QUANTITIES + 8;
 
-/// A problem as a model file.
-pub struct Problem {
-    /// Number within its corpus.
-    pub number: usize,
-    /// The model file.
-    pub text: String,
-    /// Thickness of the actuator's thinnest wall, mm.
-    pub thinnest_wall: f64,
-}
-
 /// The problems of a seed: actuators as those of the other corpus, a hundredth to a hundred times as large, shear moduli over three
 /// decades. In the first half of the time air is pumped in, in the second the obstacle moves, if it does.
 pub fn problems(count: usize, seed: u64) -> Vec<Problem> {
-    latin_hypercube::<ALL>(count, seed)
-        .into_iter()
-        .enumerate()
-        .map(|(number, shares)| problem(number, &shares))
-        .collect()
+    design::problems(count, seed, problem)
 }
 
 fn problem(number: usize, shares: &[f64; ALL]) -> Problem {

@@ -13,8 +13,7 @@ pub const QUANTITIES: usize = 17;
 /// A design: numbers from 0 to 1, one per quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// Number within its corpus.
-    pub number: usize,
+    number: usize,
     shares: [f64; QUANTITIES],
 }
 
@@ -32,9 +31,24 @@ pub fn latin_hypercube<const N: usize>(count: usize, seed: u64) -> Vec<[f64; N]>
     points
 }
 
-/// The designs of a seed.
-pub fn designs(count: usize, seed: u64) -> Vec<Design> {
-    latin_hypercube(count, seed).into_iter().enumerate().map(|(number, shares)| Design { number, shares }).collect()
+/// The designs of a seed, as case files.
+pub fn designs(count: usize, seed: u64) -> Vec<Problem> {
+    problems(count, seed, |number, &shares| Design::new(number, shares).case())
+}
+
+/// A case or model file that was drawn.
+pub struct Problem {
+    /// Number within its corpus.
+    pub number: usize,
+    /// The file.
+    pub text: String,
+    /// Thickness of the actuator's thinnest wall, mm.
+    pub thinnest_wall: f64,
+}
+
+/// The problems of a seed, each made of its number and its N numbers from 0 to 1.
+pub fn problems<const N: usize>(count: usize, seed: u64, make: impl Fn(usize, &[f64; N]) -> Problem) -> Vec<Problem> {
+    latin_hypercube::<N>(count, seed).iter().enumerate().map(|(number, shares)| make(number, shares)).collect()
 }
 
 /// What a design's numbers stand for, with all lengths times a scale.
@@ -102,16 +116,17 @@ impl Design {
     }
 
     /// The case file of the design, with four pressures.
-    pub fn case(&self) -> String {
-        let Drawn { body, shear_modulus, last_share, first_share, .. } = self.draw(1.0, 1.0);
+    fn case(&self) -> Problem {
+        let Drawn { body, shear_modulus, last_share, first_share, thinnest_wall, .. } = self.draw(1.0, 1.0);
         let last_kpa = 1e3 * shear_modulus * last_share;
         let pressures: Vec<String> =
             [first_share, 0.6, 0.8, 1.0].map(|share| format!("{:.4}", share * last_kpa)).into();
-        format!(
+        let text = format!(
             "title = \"design {}\"\n\n{body}\n[load]\npressure_kpa = [{}]\n\n[output]\nfields = false\n",
             self.number,
             pressures.join(", "),
-        )
+        );
+        Problem { number: self.number, text, thinnest_wall }
     }
 }
 
@@ -213,7 +228,7 @@ mod tests {
     #[test]
     fn every_design_is_a_valid_case() {
         for design in designs(200, 1) {
-            let case: pneuflex::model::Case = toml::from_str(&design.case()).unwrap();
+            let case: pneuflex::model::Case = toml::from_str(&design.text).unwrap();
             case.validate().unwrap();
         }
     }

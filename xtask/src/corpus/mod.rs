@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use design::Problem;
 use outcome::{Outcome, Remains, judge};
 
 use crate::program;
@@ -160,21 +161,17 @@ impl Space {
     /// The cases asked for.
     fn jobs(self, arguments: &Arguments) -> Vec<Job> {
         let Arguments { count, seed, .. } = *arguments;
-        let job = |(number, text, thinnest_wall): (usize, String, f64)| {
-            let name = format!("{}_{number:03}", self.name());
-            arguments.wants(number).then_some(Job { name, text, thinnest_wall })
+        let all = match self {
+            Self::Designs => design::designs(count, seed),
+            Self::Contact => contact::problems(count, seed),
+            Self::Wide => wide::problems(count, seed),
         };
-        let all: Vec<(usize, String, f64)> = match self {
-            Self::Designs => {
-                let all = design::designs(count, seed).into_iter();
-                all.map(|design| (design.number, design.case(), design.draw(1.0, 1.0).thinnest_wall)).collect()
-            }
-            Self::Contact => {
-                contact::problems(count, seed).into_iter().map(|p| (p.number, p.text, p.thinnest_wall)).collect()
-            }
-            Self::Wide => wide::cases(count, seed).into_iter().map(|c| (c.number, c.text, c.thinnest_wall)).collect(),
+        let job = |Problem { number, text, thinnest_wall }| Job {
+            name: format!("{}_{number:03}", self.name()),
+            text,
+            thinnest_wall,
         };
-        all.into_iter().filter_map(job).collect()
+        all.into_iter().filter(|problem| arguments.wants(problem.number)).map(job).collect()
     }
 }
 

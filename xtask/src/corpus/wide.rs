@@ -1,31 +1,17 @@
 //! Random case files over everything that a case file can say: laws, invariants, elements, thin and thick walls.
 
-use super::design::{Lengths, geometric, latin_hypercube};
+use super::design::{self, Lengths, Problem, geometric};
 
-/// Quantities of a case.
+/// Quantities of a problem.
 const QUANTITIES: usize = 22;
 
-/// A case.
-pub struct Case {
-    /// Number within its corpus.
-    pub number: usize,
-    /// The case file.
-    pub text: String,
-    /// Thickness of the actuator's thinnest wall, mm.
-    pub thinnest_wall: f64,
-}
-
-/// The cases of a seed: 1 to 14 chambers, lengths within 50 % of the paper's actuator, walls of 0.4 to 3 mm, gaps of 0.05 to 4 mm, bases of 1
+/// The case files of a seed: 1 to 14 chambers, lengths within 50 % of the paper's actuator, walls of 0.4 to 3 mm, gaps of 0.05 to 4 mm, bases of 1
 /// to 8 mm, every law and element, both invariants, bulk moduli of 50 to 5000 shear moduli, pressures up to a quarter of the shear modulus.
-pub fn cases(count: usize, seed: u64) -> Vec<Case> {
-    latin_hypercube::<QUANTITIES>(count, seed)
-        .into_iter()
-        .enumerate()
-        .map(|(number, shares)| case(number, &shares))
-        .collect()
+pub fn problems(count: usize, seed: u64) -> Vec<Problem> {
+    design::problems(count, seed, problem)
 }
 
-fn case(number: usize, shares: &[f64; QUANTITIES]) -> Case {
+fn problem(number: usize, shares: &[f64; QUANTITIES]) -> Problem {
     let mut shares = shares.iter().copied();
     let mut next = || shares.next().unwrap_or(0.5);
     let mut about = |length: f64| length * (0.5 + next());
@@ -75,7 +61,7 @@ fn case(number: usize, shares: &[f64; QUANTITIES]) -> Case {
         if is_full { "full" } else { "isochoric" },
         pressures.join(", "),
     );
-    Case { number, text, thinnest_wall: lengths.thinnest_wall() }
+    Problem { number, text, thinnest_wall: lengths.thinnest_wall() }
 }
 
 #[cfg(test)]
@@ -84,7 +70,7 @@ mod tests {
 
     #[test]
     fn every_case_is_valid() {
-        for case in cases(200, 1) {
+        for case in problems(200, 1) {
             let study = pneuflex::Study::from_text("wide.toml", &case.text);
             study.unwrap_or_else(|error| panic!("{error}\n{}", case.text));
         }

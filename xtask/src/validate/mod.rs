@@ -163,7 +163,9 @@ fn report(arguments: &Arguments) -> Outcome<Record> {
     figures.extend(figures::shapes(extent, &solutions, &measured)?);
     figures.extend(figures::rods(&rods, &solutions)?);
     figures.extend(figures::tornado(&record.sensitivities)?);
-    write(&folder, &figures, (arguments.extent, &record), &page::write(&record, &figures, &rods, &solutions)?)?;
+    // Nobody looks at those of CI.
+    let scale = if extent == Extent::Quick { 0.5 } else { 1.5 };
+    write(&folder, &figures, scale, &record, &page::write(&record, &figures, &rods, &solutions)?)?;
     if arguments.docs {
         write_docs(&root.join("docs"), &figures, &record)?;
     }
@@ -220,9 +222,7 @@ fn missing(measured: &[MeasuredPoint]) -> Vec<String> {
     missing
 }
 
-fn write(folder: &Path, figures: &[Figure], (extent, record): (Extent, &Record), page: &str) -> Outcome<()> {
-    // Nobody looks at those of CI.
-    let scale = if extent == Extent::Quick { 0.5 } else { 1.5 };
+fn write(folder: &Path, figures: &[Figure], scale: f64, record: &Record, page: &str) -> Outcome<()> {
     fs::create_dir_all(folder).map_err(|e| Failure::at(folder, e))?;
     let put = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);

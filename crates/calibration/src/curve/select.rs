@@ -83,7 +83,7 @@ pub fn select(
     options: &ReadOptions,
 ) -> Result<Selection, CurveError> {
     if let Some(specimen) = options.specimen {
-        return force_and_displacement(headings, has_number, specimen, line);
+        return force_and_displacement(headings, has_number, specimen, line, options);
     }
     let named = |column: &str| find(headings, column, line);
     let choice = &options.columns;
@@ -162,14 +162,32 @@ fn force_and_displacement(
     has_number: impl Fn(usize) -> bool,
     [area, length]: [f64; 2],
     line: usize,
+    options: &ReadOptions,
 ) -> Result<Selection, CurveError> {
-    let the_one = |what: &str, is: fn(&Quantity) -> bool| {
-        let is_it = |i: &usize| headings[*i].quantity.as_ref().is_some_and(is) && has_number(*i);
-        let found: Vec<usize> = (0..headings.len()).filter(is_it).collect();
+    let choice = &options.columns;
+    let has_measure =
+        choice.strain.as_ref().is_some_and(|c| c.1.is_some()) || choice.stress.as_ref().is_some_and(|c| c.1.is_some());
+    if options.unit.is_some() || options.strain.is_some() || options.stress.is_some() || has_measure {
+        let message = "force and change of length have units of their own, and are no strain and no stress of any kind";
+        return Err(CurveError::at(line, message).help(
+            "leave out --unit, --strain and --stress; --columns strain=2,stress=5 names change of length and force",
+        ));
+    }
+    let the_one = |what: &str, chosen: Option<&str>, is: fn(&Quantity) -> bool| {
+        let is_it = |i: usize| headings[i].quantity.as_ref().is_some_and(is);
+        if let Some(column) = chosen {
+            let found = find(headings, column, line)?;
+            let message = format!("column {} is no {what} with a unit in its name", title(headings, found));
+            let help = "write the unit into the column's name, as in `Load (N)` and `Position (mm)`";
+            return if is_it(found) { Ok(found) } else { Err(CurveError::at(line, message).help(help)) };
+        }
+        let found: Vec<usize> = (0..headings.len()).filter(|&i| is_it(i) && has_number(i)).collect();
         best(headings, &found, what, line, |_| 0)
     };
-    let force = the_one("force", |q| matches!(q, Quantity::Force(_)))?;
-    let displacement = the_one("change of length", |q| matches!(q, Quantity::Displacement(_)))?;
+    let strain = choice.strain.as_ref().map(|(column, _)| column.as_str());
+    let stress = choice.stress.as_ref().map(|(column, _)| column.as_str());
+    let force = the_one("force", stress, |q| matches!(q, Quantity::Force(_)))?;
+    let displacement = the_one("change of length", strain, |q| matches!(q, Quantity::Displacement(_)))?;
     let factor = |column: usize| match headings[column].quantity {
         Some(Quantity::Force(factor) | Quantity::Displacement(factor)) => factor,
         _ => 1.0,
@@ -186,7 +204,10 @@ fn force_and_displacement(
         unit: "MPa, by the specimen's area and length",
         mode: None,
     };
-    let test = headings.iter().position(|h| h.quantity == Some(Quantity::Test));
+    let test = match &choice.test {
+        Some(column) => Some(find(headings, column, line)?),
+        None => headings.iter().position(|h| h.quantity == Some(Quantity::Test)),
+    };
     Ok(Selection { test, pairs: vec![pair], other_stretches: [None, None] })
 }
 

@@ -104,6 +104,21 @@ fn force_and_change_of_length_need_the_specimen() {
     let reading = parse("ut.csv", text, |o| o.specimen = Some([12.0, 30.0])).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.0, 0.0], [1.5, 0.1]]);
     assert!(reading.understood[1].contains("gives nominal stress"), "{:?}", reading.understood);
+    // Of several columns the one that is meant is named; what would have no effect is refused.
+    let two = text.replace("Cycle", "Force (kN)").replace(", 1\n", ", 0.001\n");
+    let of = |columns: &str, unit: Option<StressUnit>| {
+        parse("ut.csv", &two, |o| {
+            (o.specimen, o.unit) = (Some([12.0, 30.0]), unit);
+            o.columns = ColumnChoice::parse(columns).unwrap();
+        })
+    };
+    assert!(
+        parse("ut.csv", &two, |o| o.specimen = Some([12.0, 30.0])).unwrap_err().message.contains("several columns")
+    );
+    same(&points(&of("stress=2", None).unwrap(), Mode::Uniaxial), &[[1.0, 0.0], [1.5, 0.1]]);
+    assert!(of("stress=1", None).unwrap_err().message.contains("1 'Time (sec)' is no force"));
+    assert!(of("stress=2", Some(StressUnit::Kilopascal)).unwrap_err().help.unwrap().contains("leave out --unit"));
+    assert!(of("true-stress=2", None).is_err());
 }
 
 #[test]

@@ -54,8 +54,8 @@ def _library() -> tuple[Silicone, ...]:
         constants = dict(zip(("c10", "c20", "c30"), entry["constants"], strict=True))
         bulk = entry["bulk_modulus"] or _rounded(BULK_RATIO * 2.0 * constants["c10"])
         material = {"law": "yeoh", **constants, "bulk_modulus": bulk, "invariant": "isochoric"}
-        if row["fitted_to"] is not None:
-            material["fitted_to"] = row["fitted_to"]
+        if entry["fit"] is not None:
+            material["fitted_to"] = entry["fit"]["to"]
         found.append(Silicone(row["identifier"], entry["name"], constants, entry["range"], entry["source"], material))
     return tuple(found)
 
