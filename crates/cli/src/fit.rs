@@ -282,7 +282,7 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
     }
     let ratio = material.bulk_modulus / material.shear_modulus();
     let words = material.law.shear_modulus_in_words();
-    let bulk = format!("{ratio:.0} times the initial shear modulus {words}; no result of these tests");
+    let bulk = format!("{ratio:.0} times the initial shear modulus ({words}); no result of these tests");
     snippet::material(&comments, material, &bulk)
 }
 

@@ -157,7 +157,7 @@ fn table(index: usize) -> String {
     let (bulk, comment) = match entry.bulk_modulus {
         Some(bulk) => (bulk, "as in the source".to_owned()),
         None => {
-            (snippet::BULK_RATIO * material.shear_modulus(), "1000 times the initial shear modulus 2 c10".to_owned())
+            (snippet::BULK_RATIO * material.shear_modulus(), "1000 times the initial shear modulus (2 c10)".to_owned())
         }
     };
     let fitted_to = entry.fit.map(|fit| fit.to);

@@ -55,6 +55,8 @@ impl fmt::Display for Warning {
 pub enum WarningKind {
     /// The material is stretched beyond where its constants have stiffness left.
     MaterialLimit,
+    /// The material is stretched further than the tests that its constants were fitted to.
+    BeyondFit,
     /// Walls of neighbouring chambers pass through each other.
     Penetration,
     /// The body has curled so far that parts may overlap between which no contact is modelled.
@@ -109,6 +111,10 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
         let message = worst.warning.clone().unwrap_or_default();
         let message = format!("{}{message}; what lies beyond is no measured behaviour", since(first, worst));
         add(WarningKind::MaterialLimit, Some(first), message, Occasion::BeyondConstants);
+    }
+    if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.beyond_fit.is_some()) {
+        let message = format!("{}{}", since(first, worst), worst.beyond_fit.as_deref().unwrap_or_default());
+        add(WarningKind::BeyondFit, Some(first), message, Occasion::BeyondConstants);
     }
     if let (Some(first), _) = first_and_last(steps, |step| step.mesh_instability.is_some()) {
         let message = format!(

@@ -270,5 +270,9 @@ fn results_carry_warnings_in_every_kind_of_file() {
         assert_eq!(found, [WarningKind::Units, WarningKind::CoarseMesh, WarningKind::Units], "{rest}");
         let soft = rest.replace("100.0", "0.3").replace("10000.0", "1000.0").replace("60", "5");
         assert_eq!(kinds(&build(&file(&soft).replace(mesh, coarse)).unwrap()), [WarningKind::CoarseMesh], "{soft}");
+        // Little of the body is stretched by more than a hundredth.
+        let measured = soft.replace("[material]\n", "[material]\nfitted_to = 1.01\n");
+        let found = kinds(&build(&file(&measured).replace(mesh, coarse)).unwrap());
+        assert_eq!(found, [WarningKind::BeyondFit, WarningKind::CoarseMesh], "{measured}");
     }
 }
