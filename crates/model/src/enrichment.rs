@@ -33,22 +33,23 @@ impl Problem {
     }
 
     /// The same body with nodes in the faces and inside of its elements, where there is a family with them, and the formulation of that family.
-    pub fn enriched(mut self) -> Self {
+    pub fn enriched(self) -> Self {
         let Some(formulation) = self.mesh.kind.enriched().and_then(Formulation::of_kind) else { return self };
         let given = Arc::clone(&self.mesh);
         let (mesh, added) = (*given).clone().enriched();
-        self.hold_added(&added);
         Self { mesh: mesh.into(), formulation, given: Some(Given { mesh: given, added }), ..self }
     }
 
-    /// Added nodes are held along the axes along which all nodes around them are, and move as these and the shape functions say.
-    fn hold_added(&mut self, added: &[AddedNode]) {
+    /// Added nodes are held along the axes along which all nodes around them are, whichever supports these are of, and move as these and the
+    /// shape functions say; unless a support has the added node itself, as those of faces do.
+    pub(crate) fn hold_added(&mut self) {
+        let Some(enriched) = self.given.take() else { return };
         let given = self.supports.clone();
         let mut holding: Vec<Vec<usize>> = vec![Vec::new(); self.mesh.num_nodes()];
         for (number, support) in given.iter().enumerate() {
             support.nodes.iter().for_each(|&node| holding[node as usize].push(number));
         }
-        for AddedNode { node, around, .. } in added {
+        for AddedNode { node, around, .. } in &enriched.added {
             // Supports of each axis that hold a node around, and whether all are held by some.
             let holders =
                 |axis: usize, of: u32| holding[of as usize].iter().copied().filter(|&s| given[s].axes[axis]).collect();
@@ -60,7 +61,9 @@ impl Problem {
             let motion = |axis: usize, holders: &[usize]| {
                 holders.iter().rev().find_map(|&s| given[s].motion.as_ref()).map(|m| (m.displacement[axis], &m.curve))
             };
-            let mut is_done = [false; 3];
+            let mut is_done: [bool; 3] =
+                std::array::from_fn(|axis| holding[*node as usize].iter().any(|&support| given[support].axes[axis]));
+            let is_own = is_done;
             for axis in 0..3 {
                 let Some(all) = held[axis].as_ref().filter(|_| !is_done[axis]) else { continue };
                 let motions: Vec<Option<(f64, &Curve)>> = all.iter().map(|holders| motion(axis, holders)).collect();
@@ -68,9 +71,10 @@ impl Problem {
                 let goes_along = |&s: &usize| {
                     let fits = |k: usize| {
                         !given[s].axes[k]
-                            || held[k]
-                                .as_ref()
-                                .is_some_and(|all| all.iter().all(|holders| motion(k, holders) == motion(k, &[s])))
+                            || !is_own[k]
+                                && held[k]
+                                    .as_ref()
+                                    .is_some_and(|all| all.iter().all(|holders| motion(k, holders) == motion(k, &[s])))
                     };
                     (0..3).all(fits)
                 };
@@ -97,6 +101,7 @@ impl Problem {
                 }
             }
         }
+        self.given = Some(enriched);
     }
 
     /// Where equations act on all nodes around an added node of the surface, or single forces on all nodes in the middle of its edges, it
@@ -166,7 +171,8 @@ mod tests {
             let side = support(&problem, "side", [false, true, false], |x| x[1] == 0.0 && x[2] > 0.0);
             let all = support(&problem, "all", [true, false, false], |_| true);
             problem.supports = vec![floor, side, all];
-            let rich = problem.clone().enriched();
+            let mut rich = problem.clone().enriched();
+            rich.hold_added();
             assert_eq!(Some(rich.formulation.element), formulation.element.enriched());
             let held = rich.held_dofs();
             for (node, x) in rich.mesh.nodes.iter().enumerate() {
@@ -177,6 +183,29 @@ mod tests {
             assert_eq!(rich.given.unwrap().mesh, problem.mesh);
         }
         assert_eq!(block(Formulation::Hex8Q1p0).enriched(), block(Formulation::Hex8Q1p0));
+    }
+
+    /// A floor that is held by two supports, one of which has the added nodes of its own part, as surfaces have.
+    #[test]
+    fn added_nodes_are_held_by_supports_together() {
+        for formulation in [Formulation::Hex20, Formulation::Tet10] {
+            let mut problem = block(formulation).enriched();
+            let given = problem.given.as_ref().unwrap().mesh.num_nodes() as u32;
+            let floor = problem.mesh.select_nodes(|x| x[2] == 0.0);
+            let (near, far): (Vec<u32>, Vec<u32>) =
+                floor.iter().partition(|&&node| problem.mesh.nodes[node as usize][0] < 0.4);
+            let of = |nodes: Vec<u32>| Support { name: "floor".into(), nodes, axes: [true; 3], motion: None };
+            // The second one knows no added node.
+            problem.supports = vec![of(near), of(far.into_iter().filter(|&node| node < given).collect())];
+            problem.hold_added();
+            let held = problem.held_dofs();
+            for node in 0..problem.mesh.num_nodes() {
+                let expected = [problem.mesh.nodes[node][2] == 0.0; 3];
+                assert_eq!(held[3 * node..3 * node + 3], expected, "{formulation} {node}");
+            }
+            let count: usize = problem.supports.iter().map(|support| support.nodes.len()).sum();
+            assert_eq!(count, floor.len(), "{formulation}: none twice");
+        }
     }
 
     /// x is moved by 2y, node by node, at times of their own.
@@ -191,7 +220,8 @@ mod tests {
                 let name = "floor".to_owned();
                 problem.supports.push(Support { name, nodes: vec![node], axes: [true; 3], motion: Some(motion) });
             }
-            let rich = problem.enriched();
+            let mut rich = problem.enriched();
+            rich.hold_added();
             let moved = rich.held_displacement(LoadParameter(2.0));
             for node in rich.mesh.select_nodes(|x| x[2] == 0.0) {
                 let y = rich.mesh.nodes[node as usize][1];

@@ -127,7 +127,7 @@ impl Curve {
         }
     }
 
-    /// Σ factor · curve. Where one jumps, so does the sum.
+    /// Σ factor · curve. Where one jumps, so does the sum. Proportional curves among tables grow up to the last corner of these, and stay.
     pub fn sum(terms: &[(f64, &Self)]) -> Self {
         let slope = |curve: &Self| match curve {
             Self::Proportional(slope) => Some(*slope),

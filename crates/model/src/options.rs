@@ -286,7 +286,7 @@ impl MeshOptions {
         }
     }
 
-    /// Complains about every key that is given, where there is nothing to be meshed.
+    /// Complains about every key of sizes, where there is nothing to be meshed.
     pub(crate) fn check_imported(&self, found: &mut Problems) {
         let given = [
             ("resolution", self.resolution.is_some()),

@@ -152,13 +152,14 @@ impl Vocabulary {
     /// Elements of a higher order than those of the problem, if they can be chosen.
     fn better_elements(self, problem: &Problem) -> Option<&'static str> {
         let element = problem.formulation.element;
-        let is_best = element.num_nodes() == 27;
         match self {
-            _ if is_best => None,
+            _ if element.is_quadratic() && element.enriched().is_none() => None,
             Self::CaseFile | Self::ActuatorModel => Some("take better elements (mesh.element = \"hex27\")"),
-            Self::DeckModel | Self::Deck if element.is_quadratic() => None,
+            Self::DeckModel | Self::MeshModel if element.enriched().is_some() => {
+                Some("leave out mesh.element, which keeps elements as the file has them")
+            }
             Self::DeckModel | Self::Deck => Some("take quadratic bricks (C3D20)"),
-            Self::MeshModel | Self::Program => Some("take bricks of 27 nodes (in Gmsh: second order, complete)"),
+            Self::MeshModel | Self::Program => Some("take bricks of 20 or 27 nodes (in Gmsh: second order)"),
         }
     }
 

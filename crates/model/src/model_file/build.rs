@@ -68,6 +68,7 @@ impl Model {
         for (i, support) in self.supports.iter().enumerate() {
             build.support(i, support);
         }
+        build.problem.hold_added();
         for (i, equation) in self.equations.iter().enumerate() {
             build.equation(i, equation);
         }
