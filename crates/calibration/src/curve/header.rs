@@ -36,6 +36,15 @@ pub struct Heading {
     pub is_pure_number: bool,
 }
 
+/// Names of columns, and where the rows below them begin.
+#[derive(Clone)]
+pub struct Header {
+    /// Names of the columns.
+    pub headings: Vec<Heading>,
+    /// Line of the last of them, from 1.
+    pub line: usize,
+}
+
 impl Heading {
     /// Understands a name.
     pub fn new(name: &str) -> Self {

@@ -9,6 +9,7 @@ mod header;
 mod read;
 mod reading;
 mod select;
+mod stress_measure;
 mod table;
 mod text;
 mod unit;

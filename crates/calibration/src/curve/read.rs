@@ -1,9 +1,10 @@
 //! From a table to curves.
 
 use super::decimal::{DecimalSign, Evidence, is_number, number};
-use super::header::{Heading, Quantity, is_unit};
+use super::header::{Header, Heading, Quantity, is_unit};
 use super::reading::{Curve, CurveError, MAX_BYTES, MAX_POINTS, Point, ReadOptions, Reading, shown};
 use super::select::{Pair, Selection, select, title};
+use super::stress_measure;
 use super::table::{LOOK_AHEAD, Row, lines, separator, split};
 use super::unit::{StrainMeasure, StressMeasure};
 use crate::law::Mode;
@@ -34,8 +35,9 @@ pub fn read(file: &str, text: &str, options: &ReadOptions) -> Result<Reading, Cu
     let first = lines(text).find(|(n, _)| *n > header.line);
     let first = first.map(|(n, l)| split(n, l, separator)).transpose()?;
     let has_number = |column: usize| first.as_ref().is_some_and(|row| is_number(row.cell(column)));
-    let selection = select(&header.headings, has_number, header.line, options)?;
+    let mut selection = select(&header.headings, has_number, header.line, options)?;
     let decimal = decimal_sign(text, separator, &header, options)?;
+    stress_measure::find(&mut selection, &header, separator, decimal, text);
     let from_elsewhere = test_of_file(file, text, header.line, options);
     let reader = Reader { separator, decimal, header: &header, selection: &selection, single: from_elsewhere.as_ref() };
     let mut curves = reader.curves(file, text)?;
@@ -43,6 +45,7 @@ pub fn read(file: &str, text: &str, options: &ReadOptions) -> Result<Reading, Cu
         curves.iter_mut().filter(|curve| curve.mode == Mode::Uniaxial).try_fold(false, |any, curve| {
             Ok(any | (is_about_compression(file, text, &header) && reader.turn_compression(curve)?))
         })?;
+    stress_measure::refuse_unknown(&selection, &header, &curves)?;
     let mut understood = describe(&reader, &curves);
     if is_compression {
         understood.insert(0, "compression with positive signs: strains and stresses are taken as negative".into());
@@ -58,13 +61,6 @@ fn is_about_compression(file: &str, text: &str, header: &Header) -> bool {
         above.chain(names).chain([file.rsplit(['/', '\\']).next().unwrap_or(file)]).flat_map(words_of).collect();
     let has = |parts: &[&str]| all.iter().any(|word| parts.iter().any(|part| word.starts_with(part)));
     has(&["compress", "druckversuch", "stauch"]) && !has(&["tensi", "tensile", "zugversuch"])
-}
-
-/// Names of columns, and where the rows below them begin.
-#[derive(Clone)]
-struct Header {
-    headings: Vec<Heading>,
-    line: usize,
 }
 
 fn find_header(text: &str, separator: u8) -> Result<Header, CurveError> {
@@ -203,7 +199,7 @@ impl Reader<'_> {
         }
         let plain = |pair: &Pair| {
             matches!(pair.strain_measure, StrainMeasure::Engineering | StrainMeasure::Percent)
-                && pair.stress_measure == StressMeasure::Nominal
+                && pair.stress_measure != Some(StressMeasure::True)
         };
         if !self.selection.pairs.iter().all(plain) || curve.points.iter().any(|p| p.stretch >= 2.0) {
             let message = "a test of compression with positive signs: stretches must be less than 1, stresses negative";
@@ -279,7 +275,7 @@ impl Reader<'_> {
             let message = format!("column {title}: an engineering strain of {strain} is more than {LARGEST_STRAIN}");
             return Err(CurveError::at(row.line, message).help("add --strain percent if it is in per cent"));
         }
-        let stress = pair.stress_measure.nominal(value(pair.stress)? * pair.to_megapascals, stretch);
+        let stress = pair.nominal(value(pair.stress)?, stretch);
         if !stress.is_finite() {
             return Err(CurveError::at(row.line, format!("column {title}: the nominal stress is beyond all bounds")));
         }
@@ -357,15 +353,19 @@ fn describe(reader: &Reader, curves: &[Curve]) -> Vec<String> {
         lines.push(format!("{}{how}: {count} points, stretch {low:.4} to {high:.4}", curve.mode.name()));
     }
     for pair in &reader.selection.pairs {
-        let supposed = if pair.is_supposed_nominal { " (supposed; --stress true otherwise)" } else { "" };
+        let (measure, how) = match (pair.stress_measure, &pair.stress_evidence) {
+            (None, _) => (StressMeasure::Nominal, " (supposed; --stress true otherwise)".into()),
+            (Some(measure), Some(evidence)) => (measure, format!(" ({evidence})")),
+            (Some(measure), None) => (measure, String::new()),
+        };
         lines.push(format!(
-            "cells between {separator}{sign}; column {} {} {}, column {} {} {}{supposed} in {}",
+            "cells between {separator}{sign}; column {} {} {}, column {} {} {}{how} in {}",
             title(headings, pair.strain),
             is(pair.strain),
             pair.strain_measure.name(),
             title(headings, pair.stress),
             is(pair.stress),
-            pair.stress_measure.name(),
+            measure.name(),
             pair.unit,
         ));
     }

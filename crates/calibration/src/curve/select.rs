@@ -37,7 +37,7 @@ impl ColumnChoice {
 }
 
 /// Two columns that make a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     /// Column of stretch or strain, from 0.
     pub strain: usize,
@@ -49,16 +49,23 @@ pub struct Pair {
     pub may_be_percent: bool,
     /// Column of the stress, from 0.
     pub stress: usize,
-    /// What it holds.
-    pub stress_measure: StressMeasure,
-    /// Whether nothing said so, and nominal stress was supposed.
-    pub is_supposed_nominal: bool,
+    /// What it holds; `None` if nothing says so.
+    pub stress_measure: Option<StressMeasure>,
+    /// What says so, if neither its name nor the caller does.
+    pub stress_evidence: Option<String>,
     /// MPa per unit; of a force, with the specimen's area.
     pub to_megapascals: f64,
     /// Name of the unit.
     pub unit: &'static str,
     /// The test, in wide tables.
     pub mode: Option<Mode>,
+}
+
+impl Pair {
+    /// The nominal stress of a value of the column, MPa; what is of unknown kind is supposed to be nominal.
+    pub fn nominal(&self, value: f64, stretch: f64) -> f64 {
+        self.stress_measure.unwrap_or(StressMeasure::Nominal).nominal(value * self.to_megapascals, stretch)
+    }
 }
 
 /// The columns of a table.
@@ -198,8 +205,8 @@ fn force_and_displacement(
         strain_factor: factor(displacement) / length,
         may_be_percent: false,
         stress: force,
-        stress_measure: StressMeasure::Nominal,
-        is_supposed_nominal: false,
+        stress_measure: Some(StressMeasure::Nominal),
+        stress_evidence: None,
         to_megapascals: factor(force) / area,
         unit: "MPa, by the specimen's area and length",
         mode: None,
@@ -312,8 +319,8 @@ fn make_pair(
         strain_factor: 1.0,
         may_be_percent: strain_measure == StrainMeasure::Engineering && !is_said,
         stress,
-        stress_measure: known.unwrap_or(StressMeasure::Nominal),
-        is_supposed_nominal: known.is_none(),
+        stress_measure: known,
+        stress_evidence: None,
         to_megapascals: unit.megapascals(),
         unit: unit.name(),
         mode,

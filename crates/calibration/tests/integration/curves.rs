@@ -1,6 +1,8 @@
 //! Every layout of a test file that users have, and what is refused.
 
-use pneuflex_calibration::curve::{ColumnChoice, CurveError, ReadOptions, Reading, StressUnit, decode, read};
+use pneuflex_calibration::curve::{
+    ColumnChoice, CurveError, ReadOptions, Reading, StressMeasure, StressUnit, decode, read,
+};
 use pneuflex_calibration::law::Mode;
 
 fn parse(file: &str, text: &str, edit: impl Fn(&mut ReadOptions)) -> Result<Reading, CurveError> {
@@ -37,25 +39,24 @@ fn refused(file: &str, text: &str, edit: impl Fn(&mut ReadOptions), line: Option
 
 #[test]
 fn a_long_table_with_several_tests_and_units() {
-    let text =
-        "# a comment\nmode,stretch,stress_kgf_cm2,stress_MPa\nuniaxial,1.5,1,0.0980665\nequibiaxial,1.2,2,0.196133\n";
+    let text = "# a comment\nmode,stretch,nominal_stress_kgf_cm2,nominal_stress_MPa\nuniaxial,1.5,1,0.0980665\nequibiaxial,1.2,2,0.196133\n";
     let reading = parse("a.csv", text, |_| ()).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.0980665]]);
     same(&points(&reading, Mode::Equibiaxial), &[[1.2, 0.196133]]);
-    assert!(reading.understood.iter().any(|l| l.contains("column 4 'stress_MPa'")), "{:?}", reading.understood);
+    assert!(reading.understood.iter().any(|l| l.contains("column 4 'nominal_stress_MPa'")), "{:?}", reading.understood);
     assert!(reading.understood.iter().any(|l| l.contains("not used: column 3")), "{:?}", reading.understood);
-    let kgf = parse("a.csv", text, |o| o.columns = ColumnChoice::parse("stretch=2,stress=stress_kgf_cm2").unwrap());
+    let kgf =
+        parse("a.csv", text, |o| o.columns = ColumnChoice::parse("stretch=2,stress=nominal_stress_kgf_cm2").unwrap());
     same(&points(&kgf.unwrap(), Mode::Equibiaxial), &[[1.2, 0.196133]]);
 }
 
 #[test]
 fn wide_tables_with_a_column_of_strain_per_test_or_for_all() {
-    let pairs =
-        "uniaxial strain,uniaxial stress (kPa),pure shear strain (%),pure shear stress (kPa)\n0.5,100,20,50\n1,200,,\n";
+    let pairs = "uniaxial strain,uniaxial eng. stress (kPa),pure shear strain (%),pure shear eng. stress (kPa)\n0.5,100,20,50\n1,200,,\n";
     let reading = parse("a.csv", pairs, |_| ()).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
     same(&points(&reading, Mode::Planar), &[[1.2, 0.05]]);
-    let common = "stretch\tuniaxial (MPa)\tequibiaxial (MPa)\tplanar (MPa)\n1.5\t0.1\t0.2\t0.15\n2\t0.2\t\t0.3\n";
+    let common = "Nominal stress\nstretch\tuniaxial (MPa)\tequibiaxial (MPa)\tplanar (MPa)\n1.5\t0.1\t0.2\t0.15\n2\t0.2\t\t0.3\n";
     let reading = parse("a.csv", common, |_| ()).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
     same(&points(&reading, Mode::Equibiaxial), &[[1.5, 0.2]]);
@@ -88,10 +89,11 @@ fn machine_files_have_lines_above_the_table_and_true_measures_beside_engineering
 
 #[test]
 fn units_below_the_header_decimal_commas_and_old_encodings() {
-    let bytes = b"Dehnung;Standardkraft;Spannung\n%;N;N/mm\xb2\n50,5;1,2;0,25\n";
+    let bytes = b"Dehnung;Standardkraft;Nennspannung\n%;N;N/mm\xb2\n50,5;1,2;0,25\n";
     let reading = parse("zug_uniaxial.csv", &decode(bytes).unwrap(), |_| ()).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.505, 0.25]]);
-    let utf16: Vec<u8> = "\u{feff}strain,stress (psi)\n0.5,100\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let utf16: Vec<u8> =
+        "\u{feff}strain,engineering stress (psi)\n0.5,100\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
     let reading = parse("ut.csv", &decode(&utf16).unwrap(), |_| ()).unwrap();
     assert!((points(&reading, Mode::Uniaxial)[0][1] - 0.689_475_729_316_8).abs() < 1e-9);
     assert!(decode(b"PK\x03\x04\0\0").is_err());
@@ -123,20 +125,20 @@ fn force_and_change_of_length_need_the_specimen() {
 
 #[test]
 fn compression_with_positive_signs_is_recognised() {
-    let table = "strain (%),stress (kPa)\n0,0\n10,20\n40,90\n";
+    let table = "strain (%),nominal stress (kPa)\n0,0\n10,20\n40,90\n";
     let reading = parse("compression_3.csv", table, |_| ()).unwrap();
     same(&points(&reading, Mode::Uniaxial), &[[1.0, 0.0], [0.9, -0.02], [0.6, -0.09]]);
     assert!(reading.understood[0].contains("compression with positive signs"), "{:?}", reading.understood);
-    let signed = parse("compression.csv", "strain (%),stress (kPa)\n0,0\n-10,-20\n", |_| ()).unwrap();
+    let signed = parse("compression.csv", "strain (%),nominal stress (kPa)\n0,0\n-10,-20\n", |_| ()).unwrap();
     same(&points(&signed, Mode::Uniaxial), &[[1.0, 0.0], [0.9, -0.02]]);
-    let both = parse("tension_and_compression.csv", "strain (%),stress (kPa)\n0,0\n10,20\n", |_| ()).unwrap();
+    let both = parse("tension_and_compression.csv", "strain (%),nominal stress (kPa)\n0,0\n10,20\n", |_| ()).unwrap();
     same(&points(&both, Mode::Uniaxial), &[[1.0, 0.0], [1.1, 0.02]]);
     refused("compression.csv", "stretch,true stress (kPa)\n1.1,20\n", |_| (), None, &["positive signs"]);
 }
 
 #[test]
 fn only_clear_words_name_a_test_and_blanks_separate_columns() {
-    let table = "stretch stress_MPa\n1.5   0.1\n2.0   0.2\n";
+    let table = "stretch nominal_stress_MPa\n1.5   0.1\n2.0   0.2\n";
     let mode = |file: &str, text: &str| parse(file, text, |_| ()).map(|reading| reading.curves[0].mode);
     assert_eq!(mode("ut.csv", table), Ok(Mode::Uniaxial));
     assert_eq!(mode("ET.csv", table), Ok(Mode::Equibiaxial));
@@ -157,7 +159,7 @@ fn tables_without_names_need_them() {
     let text = "1.5 ; 0.1\n2.0 ; 0.2\n";
     refused("ut.csv", text, |_| (), Some(0), &["no column of stress", "--columns"]);
     let reading = parse("ut.csv", text, |o| {
-        o.columns = ColumnChoice::parse("stretch=1,stress=2").unwrap();
+        o.columns = ColumnChoice::parse("stretch=1,nominal-stress=2").unwrap();
         o.unit = Some(StressUnit::Megapascal);
     });
     same(&points(&reading.unwrap(), Mode::Uniaxial), &[[1.5, 0.1], [2.0, 0.2]]);
@@ -212,4 +214,36 @@ fn what_is_not_understood_is_refused_with_its_place() {
         ColumnChoice::parse("strain").is_err() && ColumnChoice::parse("force=3").unwrap_err().contains("true-strain")
     );
     refused("ut.csv", &ut(&format!("1.5;0.1\n1.6;0.2{}\n", " ".repeat(20_000))), |_| (), Some(3), &["characters"]);
+}
+
+#[test]
+fn nominal_or_true_stress_is_asked_where_nothing_says_it() {
+    let table = "stretch,stress (MPa)\n1,0\n1.5,0.3\n2.5,1\n";
+    let both = ["column 2 'stress (MPa)'", "stretch of 2.5000", "2.50 times", "--stress nominal", "--stress true"];
+    refused("ut.csv", table, |_| (), Some(1), &both);
+    // Whoever knows says so, and a line above the table does.
+    for (stress, expected) in [(StressMeasure::Nominal, 1.0), (StressMeasure::True, 0.4)] {
+        let said = parse("ut.csv", table, |o| o.stress = Some(stress)).unwrap();
+        same(&points(&said, Mode::Uniaxial)[2..], &[[2.5, expected]]);
+        let above = format!("Tensile test; stress type: {}\n{table}", stress.name());
+        let said = parse("ut.csv", &above, |_| ()).unwrap();
+        same(&points(&said, Mode::Uniaxial)[2..], &[[2.5, expected]]);
+        assert!(said.understood.iter().any(|line| line.contains("by line 1")), "{:?}", said.understood);
+    }
+    let vague = format!("true strain, engineering and true stress\n{table}");
+    refused("ut.csv", &vague, |_| (), Some(2), &["nothing says which"]);
+    // The area that a force beside it is divided by stays, or shrinks with the stretch.
+    let with_force = |stresses: [f64; 3]| {
+        let [a, b, c] = stresses;
+        format!("load (N),strain (%),stress (MPa)\n0,0,0\n3.6,50,{a}\n7.1,100,{b}\n12,150,{c}\n")
+    };
+    let nominal = parse("ut.csv", &with_force([0.3, 0.59, 1.0]), |_| ()).unwrap();
+    same(&points(&nominal, Mode::Uniaxial)[3..], &[[2.5, 1.0]]);
+    assert!(nominal.understood.iter().any(|line| line.contains("by column 1 'load (N)'")), "{:?}", nominal.understood);
+    let cauchy = parse("ut.csv", &with_force([0.45, 1.18, 2.5]), |_| ()).unwrap();
+    same(&points(&cauchy, Mode::Uniaxial)[3..], &[[2.5, 1.0]]);
+    refused("ut.csv", &with_force([0.4, 0.7, 2.0]), |_| (), Some(1), &["nothing says which"]);
+    // Up to a tenth it makes no difference that matters, and is only mentioned.
+    let small = parse("ut.csv", "stretch,stress (MPa)\n1,0\n1.1,0.1\n", |_| ()).unwrap();
+    assert!(small.understood.iter().any(|line| line.contains("supposed; --stress true otherwise")));
 }

@@ -9,8 +9,8 @@ use proptest::prelude::*;
 const VALID: [&str; 4] = [
     "test,F11,F22,F33,S11\nET,1.2,1.2,0.694444,0.5\nPS,1.25,1,0.8,0.4\nUT,0.64,1.25,1.25,-0.6\nUT,1.5,0.81,0.82,0.7\n",
     "PARAMETER;INFO;\nStandard;ASTM D412;\n;;\nTime (s);Engineering Strain;Engineering Stress (MPa)\n0,1;0,1;0,05\n0,2;0,2;0,09\n",
-    "stretch\tuniaxial (kPa)\tplanar (kPa)\n1.1\t50\t60\n1.2\t\t100\n1.4\t130\t\n",
-    "\"strain\",\"stress\"\n\"%\",\"psi\"\n\"10\",\"5\"\n\"20\",\"8\"\n",
+    "Nominal stress\nstretch\tuniaxial (kPa)\tplanar (kPa)\n1.1\t50\t60\n1.2\t\t100\n1.4\t130\t\n",
+    "\"strain\",\"nominal stress\"\n\"%\",\"psi\"\n\"10\",\"5\"\n\"20\",\"8\"\n",
 ];
 
 /// Reads, prepares and fits as the program does; whatever comes out is finite.

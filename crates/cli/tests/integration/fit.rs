@@ -125,7 +125,7 @@ fn files_have_options_of_their_own_and_stability_is_offered_and_held() {
     let scratch = Scratch::new("fit-own");
     let row = |l: f64| format!("{l};{}\n", 1000.0 * (l - l.powi(-2)) * (0.9 - 0.28 * l));
     let falling: String = (1..40).map(|i| row(1.0 + 0.05 * f64::from(i))).collect();
-    fs::write(scratch.path("a.csv"), format!("stretch;stress\n{falling}")).unwrap();
+    fs::write(scratch.path("a.csv"), format!("stretch;nominal stress\n{falling}")).unwrap();
     fs::write(scratch.path("b.csv"), "strain,nominal stress (MPa)\n0.1,0.2\n0.2,0.35\n0.3,0.5\n").unwrap();
     let own = ["--test", "a.csv:ut", "--test", "b.csv:planar", "--unit", "a.csv:kPa"];
     let ended = scratch.run(&[&["fit", "a.csv", "b.csv", "--out", "both"], &own[..]].concat());
@@ -145,7 +145,8 @@ fn files_have_options_of_their_own_and_stability_is_offered_and_held() {
 #[test]
 fn a_softening_beyond_use_is_said_and_kept() {
     let scratch = Scratch::new("fit-negative");
-    fs::write(scratch.path("ut.csv"), "stretch,stress (MPa)\n1.1,-0.1\n1.2,-0.2\n1.3,-0.3\n1.4,-0.4\n").unwrap();
+    fs::write(scratch.path("ut.csv"), "stretch,nominal stress (MPa)\n1.1,-0.1\n1.2,-0.2\n1.3,-0.3\n1.4,-0.4\n")
+        .unwrap();
     let ended = scratch.run(&["fit", "ut.csv", "--out", "fits"]);
     assert_eq!(ended.code, 3, "{ended:?}");
     assert!(ended.err.contains("Yeoh: its c10 = -") && ended.err.contains("not greater than 0"), "{}", ended.err);
@@ -155,7 +156,7 @@ fn a_softening_beyond_use_is_said_and_kept() {
 #[test]
 fn too_few_points_are_the_reason_that_is_given() {
     let scratch = Scratch::new("fit-few");
-    fs::write(scratch.path("ut.csv"), "stretch,stress (MPa)\n1.1,0.1\n1.2,0.18\n").unwrap();
+    fs::write(scratch.path("ut.csv"), "stretch,nominal stress (MPa)\n1.1,0.1\n1.2,0.18\n").unwrap();
     let ended = scratch.run(&["fit", "ut.csv", "--test", "ut", "--out", "fits"]);
     assert_eq!(ended.code, 3, "{ended:?}");
     assert!(ended.err.contains("Yeoh: its 3 constants are not determined by these points"), "{}", ended.err);
@@ -167,12 +168,12 @@ fn too_few_points_are_the_reason_that_is_given() {
 #[test]
 fn what_cannot_be_used_is_refused_with_one_message() {
     let scratch = Scratch::new("fit-bad");
-    fs::write(scratch.path("ut.csv"), "stretch;stress (MPa)\n1.1;0.1\n1.2;x\n").unwrap();
-    fs::write(scratch.path("good.csv"), "stretch;stress (MPa)\n1.1;0.1\n1.2;0.2\n1.5;0.3\n1.7;0.4\n").unwrap();
+    fs::write(scratch.path("ut.csv"), "stretch;nominal stress (MPa)\n1.1;0.1\n1.2;x\n").unwrap();
+    fs::write(scratch.path("good.csv"), "stretch;nominal stress (MPa)\n1.1;0.1\n1.2;0.2\n1.5;0.3\n1.7;0.4\n").unwrap();
     fs::File::create(scratch.path("huge.csv")).unwrap().set_len(60 << 20).unwrap();
     let before = scratch.listing();
     for (arguments, words) in [
-        (&["ut.csv"][..], &["ut.csv:3:1", "column 2 'stress (MPa)'", "`x`", "finite number"][..]),
+        (&["ut.csv"][..], &["ut.csv:3:1", "column 2 'nominal stress (MPa)'", "`x`", "finite number"][..]),
         (&["good.csv"], &["good.csv", "which test", "--test"]),
         (&["missing.csv"], &["missing.csv", "cannot be read"]),
         (&["huge.csv"], &["huge.csv", "at most 50 MiB"]),
