@@ -34,7 +34,7 @@ mod _native {
     #[pymodule_export]
     use crate::state::{FieldFile, State, read_field_file, report_page};
     #[pymodule_export]
-    use crate::study::{Analysis, Study, template};
+    use crate::study::{Analysis, Study, available_memory, template};
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 }

@@ -34,7 +34,7 @@ impl Study {
         apart(py, || pneuflex::Study::load_with(path, changed(changes)).map(Self))
     }
 
-    /// The same from a text that is called `name`.
+    /// The same from the file of that name and those that it names, by their paths.
     #[staticmethod]
     fn from_text(py: Python<'_>, name: &str, text: &str, changes: Vec<(String, String)>) -> PyResult<Self> {
         apart(py, || {
@@ -53,7 +53,7 @@ impl Study {
         text: &str,
         element: &str,
         nodes: &[u8],
-        cells: &[u8],
+        cells: (Vec<u8>, usize),
         node_sets: HashMap<String, Vec<u8>>,
         face_sets: HashMap<String, Faces>,
         cell_sets: HashMap<String, Vec<u8>>,
@@ -63,11 +63,16 @@ impl Study {
             let names = Formulation::ALL.map(|formulation| formulation.name()).join(", ");
             return Err(wrong(py, format!("element = \"{element}\" must be one of {names}")));
         };
+        let (kind, (cells, columns)) = (formulation.element_kind(), cells);
+        if columns != kind.num_nodes() {
+            let what = format!("element = \"{element}\" has {} nodes, but cells have {columns}", kind.num_nodes());
+            return Err(wrong(py, what));
+        }
         apart(py, || {
             let mut mesh = Mesh {
-                kind: formulation.element_kind(),
+                kind,
                 nodes: floats(nodes).chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
-                connectivity: numbers(cells),
+                connectivity: numbers(&cells),
                 node_sets: node_sets.into_iter().map(|(name, bytes)| (name, sorted(numbers(&bytes)))).collect(),
                 facet_sets: BTreeMap::new(),
                 element_sets: cell_sets.into_iter().map(|(name, bytes)| (name, sorted(numbers(&bytes)))).collect(),
@@ -250,6 +255,12 @@ impl Analysis {
     }
 }
 
+/// Bytes that the machine, and the limits of this process, leave to it; nothing where nobody says.
+#[pyfunction]
+pub fn available_memory() -> Option<f64> {
+    pneuflex::memory::available()
+}
+
 /// The text of a case file with so many chambers.
 #[pyfunction]
 pub fn template(chambers: usize) -> String {
@@ -306,11 +317,12 @@ fn facets(mesh: &Mesh, name: &str, (bytes, columns): Faces) -> Result<Vec<Facet>
             by_corners.insert(key(&nodes[..corners]), facet);
         }
         let corners = by_corners.keys().map(Vec::len).max().unwrap_or_default();
-        let facet = |row: &[u32]| {
+        let facet = |(number, row): (usize, &[u32])| {
             let found = row.get(..corners).and_then(|corners| by_corners.get(&key(corners)));
-            found.copied().ok_or_else(|| missing(format!("{row:?} are not the nodes of a face of the surface")))
+            // Nodes may have other numbers than where they come from.
+            found.copied().ok_or_else(|| missing(format!("row {number} has not the nodes of a face of the surface")))
         };
-        rows.map(facet).collect()
+        rows.enumerate().map(facet).collect()
     };
     Ok(sorted(found?))
 }

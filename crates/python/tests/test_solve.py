@@ -267,6 +267,25 @@ def test_runs_go_on_from_memory_and_from_folders(solved: Result, tmp_path: Path)
         small_case().solve(out=tmp_path / "foreign")
 
 
+def test_slips_are_named_with_their_argument() -> None:
+    case, result = small_case(pressures=[1]), small_case(pressures=[1]).solve(threads=1)
+    for match, call in [
+        ("threads = -1 must be a whole number from 1 on", lambda: case.solve(threads=-1)),
+        ("threads = 1.5 must be a whole number", lambda: result.resume([2], threads=1.5)),  # type: ignore[arg-type]
+        ("pressures must be a list of numbers", lambda: result.resume("x")),
+        ("pressures is no array", lambda: case.solve([1, [2]])),  # type: ignore[list-item]
+        ("on_state = 3 cannot be called", lambda: case.solve(on_state=3)),  # type: ignore[arg-type]
+        ("obstacles: a list of tables", lambda: small_case(obstacles={"name": "plate"})),
+        ("values by keys are wanted", lambda: case.set(3)),  # type: ignore[arg-type]
+        ("chambers = 10000000 must be a whole number from 1 to 1000000", lambda: Case.actuator(10**7)),
+        ("either a pressure or a time", lambda: result.at()),
+    ]:
+        with pytest.raises(InputError, match=match):
+            call()
+    # A single pressure is a list of one, as it is for `solve`.
+    assert result.resume(3, threads=1).pressure_kpa.tolist() == [1, 3]
+
+
 def test_results_without_fields_say_so() -> None:
     result = small_case(pressures=[1]).solve(threads=1, fields=False)
     assert result.end_face_angle_deg.shape == (1,)

@@ -220,6 +220,27 @@ class _Deadly:
         return os._exit, (9,)
 
 
+def test_memory_is_that_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert pneuflex._native.available_memory() is None or pneuflex._native.available_memory() > 1e7  # type: ignore[operator]
+    monkeypatch.setattr(pneuflex._native, "available_memory", lambda: 100.0)
+    assert pneuflex._sweep._share(4, 60.0, None, 1)[0] == 1
+
+
+def test_slips_are_named_with_their_argument(tmp_path: Path) -> None:
+    case, space = small_case(), {"actuator.gap": [1.0]}
+    for match, call in [
+        ("threads = -1 must be a whole number from 1 on", lambda: pneuflex.sweep(case, space, out=tmp_path, threads=-1)),
+        ("workers = 'x'", lambda: pneuflex.sweep(case, space, out=tmp_path, workers="x")),  # type: ignore[arg-type]
+        ("study = 3 must be", lambda: pneuflex.sweep(3, space, out=tmp_path)),  # type: ignore[arg-type]
+        ("executor = 3 must be", lambda: pneuflex.sweep(case, space, 3, out=tmp_path)),  # type: ignore[arg-type]
+        ("actuator.gap = 1 must be a list", lambda: Grid({"actuator.gap": 1})),  # type: ignore[dict-item]
+        ("count = 2.5", lambda: Sobol({"actuator.gap": (1, 2)}, count=2.5)),  # type: ignore[arg-type]
+        ("values by keys", lambda: LatinHypercube(3, count=2)),  # type: ignore[arg-type]
+    ]:
+        with pytest.raises(InputError, match=match):
+            call()
+
+
 def test_two_sweeps_do_not_share_a_folder(tmp_path: Path) -> None:
     case = small_case(pressures=[1])
 

@@ -21,7 +21,7 @@ class Study:
         text: str,
         element: str,
         nodes: bytes,
-        cells: bytes,
+        cells: tuple[bytes, int],
         node_sets: dict[str, bytes],
         face_sets: dict[str, tuple[bytes, int]],
         cell_sets: dict[str, bytes],
@@ -133,6 +133,7 @@ def solve(
     on_iteration: Callable[[float, int, int], object] | None,
 ) -> Outcome: ...
 def template(chambers: int) -> str: ...
+def available_memory() -> float | None: ...
 def read_field_file(path: str | PathLike[str]) -> FieldFile: ...
 def report_page(folder: str | PathLike[str]) -> str: ...
 def read_curves(

@@ -15,12 +15,16 @@ from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Floats, Integers, floats, integers
+from ._arrays import Floats, Integers, floats, integers, listed, whole
 from ._errors import InputError, Interrupted, NotConverged, missing
 from ._progress import Progress
-from ._toml import to_toml
+from ._toml import flat
+
+TRIES = 10
+"""How often a folder is read whose run is going on."""
 
 FORMAT = 2
 """Number of the form of `summary.json` in which numbers are those of the whole body."""
@@ -416,6 +420,8 @@ class Result(Sequence[State]):
 
     def at(self, pressure_kpa: float | None = None, *, time: float | None = None) -> State:
         """The state at a pressure, kPa, or at a model's time, that was asked for."""
+        if (pressure_kpa is None) == (time is None):
+            raise InputError("give either a pressure or a time")
         for state in self.states:
             when, wanted = (state.pressure_kpa, pressure_kpa) if time is None else (state.time, time)
             if when is not None and wanted is not None and abs(when - wanted) <= 1e-9 * max(1.0, abs(wanted)):
@@ -521,9 +527,9 @@ class Result(Sequence[State]):
 
     def resume(
         self,
-        pressures: Sequence[float] | None = None,
+        pressures: ArrayLike | None = None,
         *,
-        times: Sequence[float] | None = None,
+        times: ArrayLike | None = None,
         threads: int | None = None,
         progress: bool = False,
         on_state: Callable[[State], object] | None = None,
@@ -536,22 +542,20 @@ class Result(Sequence[State]):
         NotConverged, Interrupted
             As :meth:`Study.solve`.
         InputError
-            For positions before those that were reached; for later times of a model whose loads grow up to the last time.
+            For positions before the last load step; for later times of a model whose loads grow up to the last time; for a folder in which
+            another run has been recorded since.
         """
         if self._study is None:
             raise InputError(f"{self.folder}: case.toml is missing or cannot be read: there is nothing to go on with")
         reached = [state for state in self.states if state.summary.get("kind", "requested") == "requested"]
         done = [state._when for state in reached]
+        hearing = Hearing(threads, progress, on_state)
         study = self._study
-        values = pressures if pressures is not None else times
-        key = key_of_positions(study, pressures, times)
-        if key is not None and values is not None:
-            beyond = [float(x) for x in values if not done or x > done[-1]]
+        for key, values in (positions(study, pressures, times) or {}).items():
             if lost := [x for x in values if done and x <= done[-1] and x not in done]:
                 raise InputError(f"{key}: {lost} lie before {done[-1]:g}, which was reached already")
-            study = study.with_changes([(key, to_toml(done + beyond))])
-        hearing = Hearing(threads, progress, on_state)
-        analysis = study.build(False, threads)
+            study = study.with_changes(flat({key: done + [x for x in values if not done or not x <= done[-1]]}))
+        analysis = study.build(False, hearing.threads)
         if self.folder is not None:
             return follow(study, analysis, hearing, out=self.folder, resumes=True, fields=True)
         if key is not None and done and not analysis.has_problem_of(self._study.build(False, threads)):
@@ -663,7 +667,10 @@ class Hearing:
     """How a run is solved, and who hears of it."""
 
     def __init__(self, threads: int | None, progress: bool, on_state: Callable[[State], object] | None) -> None:
-        self.threads, self.progress, self.on_state = threads, progress, on_state
+        if on_state is not None and not callable(on_state):
+            raise InputError(f"on_state = {on_state!r} cannot be called with a state")
+        self.threads = None if threads is None else whole(threads, "threads")
+        self.progress, self.on_state = progress, on_state
 
 
 def _maker(study: _native.Study, body: Callable[[], _Body]) -> Callable[[_native.State], State]:
@@ -673,25 +680,19 @@ def _maker(study: _native.Study, body: Callable[[], _Body]) -> Callable[[_native
     return lambda state: State(json.loads(state.summary), length, body, state, at)
 
 
-def _no_body() -> _Body:
-    raise AssertionError("nobody looks at it")
-
-
-def _key(study: _native.Study) -> str:
-    return "load.pressure_kpa" if study.kind == "case" else "load.times"
-
-
-def key_of_positions(
-    study: _native.Study, pressures: Sequence[float] | None, times: Sequence[float] | None
-) -> str | None:
-    """The key of the positions on the load path that were given, unless none were."""
+def positions(
+    study: _native.Study, pressures: ArrayLike | None, times: ArrayLike | None
+) -> dict[str, list[float]] | None:
+    """The positions on the load path that were given by their key, unless none were."""
     if pressures is not None and times is not None:
         raise InputError("give either pressures, of an actuator, or times, of a model")
     if pressures is not None and study.kind != "case":
         raise InputError("a model has times, not pressures: its pressures are in its cavities")
     if times is not None and study.kind == "case":
         raise InputError("an actuator has pressures, not times")
-    return None if pressures is None and times is None else _key(study)
+    if pressures is not None:
+        return {"load.pressure_kpa": listed(pressures, "pressures")}
+    return None if times is None else {"load.times": listed(times, "times")}
 
 
 def follow(

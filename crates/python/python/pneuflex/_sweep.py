@@ -20,11 +20,12 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from . import _native
+from ._arrays import whole
 from ._errors import InputError, missing
-from ._processes import Processes, WorkerDied, available_memory, cores
-from ._result import Result, key_of_positions
+from ._processes import Processes, WorkerDied, cores
+from ._result import Result, positions
 from ._space import Design, Grid, LatinHypercube, Sobol, designs_of
-from ._study import Case, Study, _list
+from ._study import Case, Study
 from ._toml import flat
 from ._worker import Row, Task, keep, replace, row_file, solve_design
 
@@ -202,15 +203,17 @@ def sweep(
     KeyboardInterrupt
         Ctrl-C; what is finished is kept.
     """
+    if not isinstance(study, Study):
+        raise InputError(f"study = {study!r:.100} must be a Case or a Model")
     if executor is not None and workers is not None:
         raise InputError("workers are those of this machine: give either these or an executor")
-    for name, number in (("workers", workers), ("threads", threads)):
-        if number is not None and number < 1:
-            raise InputError(f"{name} = {number} must be at least 1")
+    if executor is not None and not hasattr(executor, "submit"):
+        raise InputError(f"executor = {executor!r:.100} must be a concurrent.futures.Executor")
+    workers, threads = (
+        None if number is None else whole(number, name) for name, number in (("workers", workers), ("threads", threads))
+    )
     base = study.copy()
-    key = key_of_positions(base._study, _list(pressures), _list(times))
-    if key is not None:
-        base.set({key: _list(pressures if pressures is not None else times)})
+    base.set(positions(base._study, pressures, times) or {})
     designs = designs_of(space)
     memory = _checked(base, designs)
     folder = Path(out).absolute()
@@ -317,7 +320,7 @@ def _share(designs: int, memory: float | None, workers: int | None, threads: int
     all_cores = cores()
     if workers is None:
         workers = max(1, min(designs, all_cores // (threads or 1)))
-        available = available_memory()
+        available = _native.available_memory()
         if memory and available:
             workers = max(1, min(workers, int(MEMORY_SHARE * available / memory)))
     return workers, threads or max(1, all_cores // workers)
