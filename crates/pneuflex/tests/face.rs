@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use pneuflex::mesh::Facet;
 use pneuflex::model::{Formulation, Law, Material};
 use pneuflex::{
-    Analysis, Body, Change, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, StopToken, Study,
-    template,
+    Analysis, Body, Change, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, Start, Status,
+    StopToken, Study, template,
 };
 
 /// Two chambers on a mesh that is solved in no time.
@@ -298,7 +298,7 @@ fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
         _ => {}
     });
     let Err(Error::Interrupted(ended)) = stopped.solve() else { panic!("it went on") };
-    assert_eq!(ended.reached.states.len(), 2);
+    assert_eq!((ended.reached.states.len(), ended.reached.status), (2, Status::Interrupted));
     assert_eq!((ended.failure.reached.0, ended.reason.is_none()), (2.0, true));
 
     let close = |a: &Solution, states: usize| {
@@ -309,14 +309,26 @@ fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
         assert_eq!(a.iterations, whole.iterations);
     };
     // From memory the state at the checkpoint is reached once more.
-    close(&analysis.run().resume_from(checkpoint.unwrap()).solve().unwrap(), 2);
+    let checkpoint = checkpoint.unwrap();
+    close(&analysis.run().resume_from(checkpoint.clone()).solve().unwrap(), 2);
+    // With the state before it, as from a folder; and both leave out nothing that was reached.
+    let start = |of: &Analysis| of.start_after(&analysis, &ended.reached, Some((&checkpoint, 1)));
+    close(&analysis.run().start_at(start(&analysis).unwrap()).solve().unwrap(), 3);
+    let other = coarse().set("load.pressure_kpa", "[1, 1.5]").unwrap().build().unwrap();
+    let refused = start(&other).unwrap_err().to_string();
+    assert!(refused.starts_with("load.pressure_kpa leaves out what was reached"), "{refused}");
+    let Err(Error::Input(errors)) = other.run().resume(&path).solve() else { panic!("it went on") };
+    assert!(errors[0].to_string().ends_with(&refused), "{}", errors[0]);
+    let stiffer = coarse().set("material.c10", "0.3").unwrap().build().unwrap();
+    assert!(start(&stiffer).unwrap_err().to_string().contains("material.c10 was"));
     close(&analysis.run().resume(&path).solve().unwrap(), 3);
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(path.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["status"], "converged");
     // Nothing is left to do.
     let again = analysis.run().resume(&path).observer(|_| panic!("it was solved once more")).solve().unwrap();
-    assert_eq!(again.states.len(), 3);
+    assert_eq!((again.states.len(), again.status), (3, Status::Converged));
+    assert!(matches!(analysis.start_after(&analysis, &again, None), Ok(Start::Complete(states)) if states.len() == 3));
     fs::remove_dir_all(&path).unwrap();
 }
 

@@ -30,7 +30,7 @@ mod _native {
     #[pymodule_export]
     use crate::calibration::{fit, materials, read_curves};
     #[pymodule_export]
-    use crate::run::{Checkpoint, Outcome, solve};
+    use crate::run::{Outcome, Start, solve};
     #[pymodule_export]
     use crate::state::{FieldFile, State, read_field_file, report_page};
     #[pymodule_export]

@@ -159,12 +159,6 @@ impl Analysis {
         &self.analysis.title
     }
 
-    /// Name of the file without folder and extension.
-    #[getter]
-    fn stem(&self) -> String {
-        self.analysis.stem()
-    }
-
     /// What would be solved: text, rows of kind and text.
     #[getter]
     fn overview(&self) -> (String, Vec<(&'static str, String)>) {
@@ -208,17 +202,6 @@ impl Analysis {
     #[getter]
     fn requested(&self) -> Vec<f64> {
         self.analysis.requested.iter().map(|at| at.0).collect()
-    }
-
-    /// Whether another analysis is one of the same problem, at other positions on its load path.
-    fn has_problem_of(&self, other: &Self) -> bool {
-        self.analysis.problem == other.analysis.problem
-    }
-
-    /// The resolved case or model file.
-    #[getter]
-    fn resolved(&self, py: Python<'_>) -> PyResult<String> {
-        self.analysis.resolved().map_err(|error| wrong(py, error.to_string()))
     }
 
     /// Positions of the nodes at rest, mm.

@@ -267,6 +267,41 @@ def test_runs_go_on_from_memory_and_from_folders(solved: Result, tmp_path: Path)
         small_case().solve(out=tmp_path / "foreign")
 
 
+def test_a_run_in_memory_goes_on_as_one_in_a_folder(tmp_path: Path) -> None:
+    def ended(pressures: list[float], **keys: object) -> list[Result]:
+        found = []
+        for out in (None, tmp_path / "out"):
+            with pytest.raises(NotConverged) as early:
+                small_case(pressures=pressures, solver={"min_step_kpa": 20}).solve(threads=1, out=out)
+            found.append(early.value.result)
+        return found
+
+    memory, folder = ended([1, 900])
+    reached = memory.on_the_way[-1].pressure_kpa
+    assert reached > 10 and folder.on_the_way[-1].pressure_kpa == reached
+    words = []
+    for result in (memory, folder):
+        with pytest.raises(InputError, match="leaves out what was reached; it may only change beyond") as refused:
+            result.resume([reached / 2], threads=1)
+        words.append(refused.value.problems[0].message)
+    assert words[1].endswith(words[0])
+    further = [result.resume([reached + 0.5, reached + 1], threads=1) for result in (memory, folder)]
+    straight = small_case(pressures=[1, reached + 0.5, reached + 1]).solve(threads=1)
+    for other in further:
+        assert other.status == "converged" and other.pressure_kpa.tolist() == straight.pressure_kpa.tolist()
+        assert np.allclose(other.tip, straight.tip, rtol=1e-6)
+    assert further[0].warnings == further[1].warnings and further[0].iterations == further[1].iterations
+    # Whatever may change between the two, and the number of states that are told of once more.
+    assert further[0].resume(reached + 2, threads=1).pressure_kpa[-1] == reached + 2
+
+
+def test_warnings_are_those_of_the_whole_run() -> None:
+    case = small_case(pressures=[1, 2], material={"law": "neo-hooke", "c10": 0.1, "fitted_to": 1.001})
+    straight = case.copy().solve([1, 2, 3], threads=1)
+    resumed = case.solve(threads=1).resume([3], threads=1)
+    assert resumed.warnings == straight.warnings and resumed.iterations == straight.iterations
+
+
 def test_slips_are_named_with_their_argument() -> None:
     case, result = small_case(pressures=[1]), small_case(pressures=[1]).solve(threads=1)
     for match, call in [

@@ -315,7 +315,6 @@ class Result(Sequence[State]):
         self.folder: Path | None = None
         self._study: _native.Study | None = None
         self._outcome: _native.Outcome | None = None
-        self._earlier: list[State] = []
         self._page: str | None = None
 
     # --- where results come from
@@ -388,7 +387,6 @@ class Result(Sequence[State]):
         analysis: _native.Analysis,
         outcome: _native.Outcome,
         folder: Path | None,
-        earlier: Sequence[State],
     ) -> Result:
         result = cls()
         result.title, result.status, result.folder = analysis.title, outcome.status, folder
@@ -396,10 +394,10 @@ class Result(Sequence[State]):
         result.reason = json.loads(outcome.reason) if outcome.reason else None
         result.warnings = json.loads(outcome.warnings)
         result.iterations, result.timing = outcome.iterations, json.loads(outcome.timing)
-        result._study, result._outcome, result._earlier = study, outcome, list(earlier)
+        result._study, result._outcome = study, outcome
         body = _Body.of_analysis(analysis)
         make = _maker(study, lambda: body)
-        result.states = [*earlier, *map(make, outcome.states)]
+        result.states = [make(state) for state in outcome.states]
         result.on_the_way = [make(outcome.last)] if outcome.last else []
         return result
 
@@ -534,8 +532,8 @@ class Result(Sequence[State]):
         progress: bool = False,
         on_state: Callable[[State], object] | None = None,
     ) -> Result:
-        """Goes on from the last load step, through what is left of the pressures (kPa) or of a model's times, or through others, as if the
-        run had never ended. What is recorded goes on in its folder.
+        """Goes on from the last load step, through what is left of the pressures (kPa) or of a model's times, or through others beyond that
+        step, as if the run had never ended. What is recorded goes on in its folder.
 
         Raises
         ------
@@ -558,18 +556,10 @@ class Result(Sequence[State]):
         analysis = study.build(False, hearing.threads)
         if self.folder is not None:
             return follow(study, analysis, hearing, out=self.folder, resumes=True, fields=True)
-        if key is not None and done and not analysis.has_problem_of(self._study.build(False, threads)):
-            raise InputError(
-                "loads without times of their own grow up to the last one of load.times, which has changed, so that what was reached was "
-                "reached under other loads; give their values by time, [[time, value], ...], to go on beyond it"
-            )
-        left = analysis.requested[len(done) :]
-        if not left or self.status == "past-limit":
-            return self
-        start = self._outcome.checkpoint if self._outcome else None
+        start = self._outcome.start(analysis) if self._outcome else None
         if start is None:
-            return follow(study, analysis, hearing, out=None, resumes=False, fields=True)
-        return follow(study, analysis, hearing, out=None, resumes=False, fields=True, start=start, earlier=self.states)
+            return self
+        return follow(study, analysis, hearing, out=None, resumes=False, fields=True, start=start)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Records a result that was not recorded while it was solved, as the program does: `summary.json`, `case.toml`, fields for ParaView,
@@ -582,11 +572,9 @@ class Result(Sequence[State]):
     def _save(self, folder: Path) -> None:
         if self._outcome is None or self._study is None:
             raise InputError(f"the result is recorded already, in {self.folder}: copy that folder")
-        kept = [state._fields for state in self._earlier]
-        earlier = [state for state in kept if isinstance(state, _native.State)]
         if any(isinstance(s._fields, _native.State) and not s._fields.has_fields for s in self.states):
             raise InputError("no fields were kept: solve with fields=True")
-        self._outcome.record(self._study.build(True, 1), folder, earlier)
+        self._outcome.record(folder)
 
     # --- for others
 
@@ -703,8 +691,7 @@ def follow(
     out: Path | None,
     resumes: bool,
     fields: bool,
-    start: _native.Checkpoint | None = None,
-    earlier: Sequence[State] = (),
+    start: _native.Start | None = None,
 ) -> Result:
     """Solves an analysis of a study.
 
@@ -724,8 +711,7 @@ def follow(
         make = _maker(study, lambda: body)
 
         def tell(state: _native.State) -> object:
-            made = make(state)
-            return None if earlier and made._when == earlier[-1]._when else hear(made)
+            return hear(make(state))
 
     iteration = progress.iteration if progress else None
     outcome = _native.solve(analysis, hearing.threads, out, resumes, start, fields, tell, iteration)
@@ -740,10 +726,7 @@ def follow(
     if out is not None and resumes:
         result = Result.open(out)
     else:
-        # A load step that was accepted at a position that was asked for is told of once more.
-        if earlier and outcome.states and earlier[-1]._when == _maker(study, _no_body)(outcome.states[0])._when:
-            earlier = earlier[:-1]
-        result = Result._of(study, analysis, outcome, out, earlier)
+        result = Result._of(study, analysis, outcome, out)
     match outcome.status:
         case "not-converged" | "setup":
             raise NotConverged(outcome.failure, result)
