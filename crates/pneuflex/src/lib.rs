@@ -170,7 +170,7 @@ pub use body::Body;
 pub use document::{CaseFile, Change};
 pub use error::{Error, ResultsError, Unfinished};
 pub use folder::OutputFolder;
-pub use input_error::InputError;
+pub use input_error::{InputError, InputErrorKind};
 pub use memory::{Estimate, MemoryLimit};
 pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
@@ -213,5 +213,6 @@ fn check_threads(threads: usize) -> Result<(), InputError> {
     }
     let help = format!("leave it out to use all {cores} cores");
     Err(InputError::new(format!("{threads} threads are too many: at the most {most}, four times the {cores} cores"))
+        .of_kind(InputErrorKind::TooManyThreads)
         .with_help(Some(help)))
 }

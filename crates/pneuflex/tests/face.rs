@@ -282,6 +282,38 @@ fn bodies_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn a_study_is_all_files_that_it_is_read_from() {
+    let folder = scratch("files");
+    fs::create_dir_all(folder.join("body")).unwrap();
+    let deck = "*INCLUDE, INPUT=nodes.inc\n*ELEMENT, TYPE=C3D8, ELSET=BAR\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n\
+                *MATERIAL, NAME=SILICONE\n*HYPERELASTIC, NEO HOOKE\n0.1, 0.1\n*SOLID SECTION, ELSET=BAR, MATERIAL=SILICONE\n\
+                *BOUNDARY\nFOOT, 1, 3\n*STEP, NLGEOM\n*STATIC\n1., 1.\n*BOUNDARY\nFOOT, 3, 3, 0.1\n*END STEP\n";
+    let nodes =
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 2\n6, 1, 0, 2\n7, 1, 1, 2\n8, 0, 1, 2\n";
+    let model = "model.file = \"body/brick.inp\"\nload.times = [1.0]\n";
+    for (name, text) in [("brick.toml", model), ("body/brick.inp", deck), ("body/nodes.inc", nodes)] {
+        fs::write(folder.join(name), text).unwrap();
+    }
+    for (name, count) in [("brick.toml", 3), ("body/brick.inp", 2)] {
+        let name = folder.join(name).display().to_string();
+        let study = Study::load(&name).unwrap();
+        let files = study.files().unwrap();
+        assert_eq!(files.len(), count);
+        let files: Vec<_> = files.into_iter().map(|(path, bytes)| (path.display().to_string(), bytes)).collect();
+        // The copy reads nothing from the disk.
+        let built = study.build().unwrap().problem;
+        let elsewhere = scratch("files-elsewhere");
+        fs::rename(&folder, &elsewhere).unwrap();
+        let copy = Study::from_files_with(&name, files, Vec::new()).unwrap();
+        assert!(copy.build().unwrap().problem == built);
+        assert_eq!(copy.files().unwrap().len(), count);
+        assert!(study.files().is_err());
+        fs::rename(&elsewhere, &folder).unwrap();
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
     let analysis = coarse().build().unwrap();
     let whole = analysis.solve().unwrap();

@@ -8,6 +8,7 @@ use pneuflex::mesh::{Facet, Mesh};
 use pneuflex::model::Formulation;
 use pneuflex::{Change, Error, InputError, MemoryLimit, on_threads};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::array::Array;
 use crate::error::{apart, wrong};
@@ -36,12 +37,13 @@ impl Study {
 
     /// The same from the file of that name and those that it names, by their paths.
     #[staticmethod]
-    fn from_text(py: Python<'_>, name: &str, text: &str, changes: Vec<(String, String)>) -> PyResult<Self> {
-        apart(py, || {
-            let mut study = pneuflex::Study::from_text(name, text)?;
-            study.set_all(changed(changes))?;
-            Ok(Self(study))
-        })
+    fn from_files(
+        py: Python<'_>,
+        name: &str,
+        files: HashMap<String, Vec<u8>>,
+        changes: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        apart(py, || pneuflex::Study::from_files_with(name, files, changed(changes)).map(Self))
     }
 
     /// A model on a mesh of little-endian numbers: positions, nodes of cells and members of sets.
@@ -94,6 +96,13 @@ impl Study {
             study.set_all(changed(changes))?;
             Ok(Self(study))
         })
+    }
+
+    /// All files that it is read from, by their paths.
+    #[getter]
+    fn files(&self, py: Python<'_>) -> PyResult<BTreeMap<PathBuf, Py<PyBytes>>> {
+        let files = apart(py, || self.0.files())?;
+        Ok(files.into_iter().map(|(path, bytes)| (path, PyBytes::new(py, &bytes).unbind())).collect())
     }
 
     /// `case`, `model` or `deck`.

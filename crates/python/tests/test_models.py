@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import FIXTURES
+from conftest import FIXTURES, write_brick
 
 from pneuflex import Case, InputError, Model
 
@@ -190,6 +190,14 @@ def test_meshes_are_those_of_vtk(element: str, kind: int) -> None:
     assert set(mesh.celltypes) == {kind} and mesh.n_points == check.nodes
     sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
     assert (sizes > 0).all() and np.isclose(sizes.sum(), check.volume_mm3, rtol=1e-6)
+
+
+def test_a_body_whose_files_have_changed_is_not_gone_on_with(tmp_path: Any) -> None:
+    model = Model.load(write_brick(tmp_path, 2))
+    result = model.solve(times=[0.5, 1.0], threads=1)
+    write_brick(tmp_path, 3)
+    with pytest.raises(InputError, match="the files of the body are other ones"):
+        result.resume(threads=1)
 
 
 def test_sets_by_number_are_those_of_the_mesh() -> None:

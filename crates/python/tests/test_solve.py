@@ -347,5 +347,9 @@ def test_cases_can_be_sent_to_other_processes(small: Case, tmp_path: Path) -> No
     case = Case.load(path).set({"actuator.gap": 1.5})
     path.unlink()
     assert pickle.loads(pickle.dumps(case)).values == case.values
+    # What its file leaves out was set.
+    path.write_text((FIXTURES / "two_chamber.toml").read_text().replace("gap = ", "# gap = "))
+    case = Case.load(path, {"actuator.gap": 1.5})
+    assert pickle.loads(pickle.dumps(case)).values == case.values
     assert pickle.loads(pickle.dumps(small)).set({"actuator.gap": 1}).length == 17
     assert repr(small) == "Case('actuator', 2 chambers, 18 mm long, at 1, 2, 3 kPa)"

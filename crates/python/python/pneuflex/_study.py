@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -120,6 +120,14 @@ class Study:
         return other
 
     __copy__ = copy
+
+    def _files(self) -> dict[str, bytes]:
+        """Everything that it is read from."""
+        return {os.fspath(path): data for path, data in self._study.files.items()}
+
+    def _reading(self, files: dict[str, bytes]) -> Self:
+        """The same, read from these files."""
+        return _again(type(self), ("from_files", os.fspath(self._study.path), files), self._study.changes)
 
     def set(self, keys: Keys) -> Self:
         """Sets keys, all at once: what one of them alone would break may be mended by another. Returns the same object.
@@ -240,7 +248,10 @@ def _existing(path: str | os.PathLike[str]) -> str:
     return os.path.abspath(path)
 
 
-def _again(kind: type[Study], source: tuple[Any, ...], changes: list[tuple[str, str]]) -> Study:
+S = TypeVar("S", bound=Study)
+
+
+def _again(kind: type[S], source: tuple[Any, ...], changes: list[tuple[str, str]]) -> S:
     made = kind.__new__(kind)
     Study.__init__(made, source, changes)
     return made
@@ -276,13 +287,15 @@ class Case(Study):
         """
         case = cls(("load", _existing(path)), flat(keys or {}))
         # A copy that is sent to another process is the case that was read.
-        case._source = ("from_text", os.fspath(path), Path(path).read_text(encoding="utf-8"))
+        case._source = ("from_files", os.fspath(path), case._files())
         return case
 
     @classmethod
     def from_text(cls, text: str, name: str = "case.toml") -> Case:
         """A case from the text of a case file, which messages call `name`."""
-        return cls(("from_text", name, text))
+        if not isinstance(text, str):
+            raise InputError(f"text = {text!r:.100} must be the text of a case file")
+        return cls(("from_files", name, {name: text.encode()}))
 
     @classmethod
     def actuator(
@@ -369,9 +382,8 @@ class Case(Study):
             keys["obstacle"] = _tables(obstacles, "obstacles")
         if solver is not None:
             keys["solver"] = solver
-        if isinstance(chambers, bool) or not isinstance(chambers, (int, np.integer)) or not 1 <= chambers <= 10**6:
-            raise InputError(f"chambers = {chambers!r} must be a whole number from 1 on")
-        return cls(("from_text", "actuator", _native.template(int(chambers))), flat(keys))
+        text = _native.template(whole(chambers, "chambers", 10**6))
+        return cls(("from_files", "actuator", {"actuator": text.encode()}), flat(keys))
 
     @property
     def length(self) -> float:
