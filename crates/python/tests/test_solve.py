@@ -302,6 +302,31 @@ def test_warnings_are_those_of_the_whole_run() -> None:
     assert resumed.warnings == straight.warnings and resumed.iterations == straight.iterations
 
 
+def test_a_folder_with_another_run_is_not_taken_for_the_one_that_was_opened(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    solved = small_case(pressures=[1, 2]).solve(threads=1, out=out)
+    first, second = Result.open(out), Result.open(out)
+    whole = second.resume([3], threads=1)
+    # It is the same run that has gone on.
+    assert np.array_equal(first[1].displacement, whole[1].displacement) and first._repr_html_().startswith("<iframe")
+    # Nothing of it has been read yet.
+    late = Result.open(out)
+    small_case(pressures=[1, 2], gap=1.5).solve(threads=1, out=out)
+    assert np.array_equal(first[1].displacement, whole[1].displacement)
+    for read in (
+        lambda: first[0].displacement,
+        lambda: late[0].points,
+        lambda: late[-1].von_mises,
+        lambda: late.resume([4], threads=1),
+        lambda: solved.resume([4], threads=1),
+    ):
+        with pytest.raises(InputError, match="another run has been recorded there since"):
+            read()
+    for result in (late, solved, second):
+        assert result._repr_html_().startswith("<pre>")
+    assert not np.allclose(Result.open(out)[1].displacement, first[1].displacement)
+
+
 def test_slips_are_named_with_their_argument() -> None:
     case, result = small_case(pressures=[1]), small_case(pressures=[1]).solve(threads=1)
     for match, call in [

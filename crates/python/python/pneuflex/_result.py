@@ -11,6 +11,7 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, overload
 
@@ -178,13 +179,18 @@ class State:
                 return floats(self._fields.displacement)
             found = self._fields.field(name, columns)
         else:
-            self._file = self._file or self._fields()
-            if self._file is None:
+            file = self._field_file()
+            if file is None:
                 raise AttributeError("no fields were recorded (output.fields = false)")
-            found = self._file.field(name, columns)
+            found = file.field(name, columns)
         if found is None:
             raise AttributeError(f"there is no field {name}")
         return floats(found)
+
+    def _field_file(self) -> _native.FieldFile | None:
+        if not isinstance(self._fields, _native.State):
+            self._file = self._file or self._fields()
+        return self._file
 
     @property
     def points(self) -> Floats:
@@ -331,49 +337,40 @@ class Result(Sequence[State]):
             If there is no such folder.
         """
         folder = Path(folder)
-        path = folder / "summary.json"
-        if not path.is_file():
-            if not folder.exists():
-                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(folder))
-            what = "holds no summary.json" if folder.is_dir() else "is no folder"
-            raise InputError(f"{folder}: not a result folder: it {what}")
-        try:
-            summary = json.loads(path.read_text(encoding="utf-8"))
-            form = summary.get("format", 1)
-        except (ValueError, AttributeError) as error:
-            raise InputError(f"{path}: damaged: {error}") from error
-        if form != FORMAT:
-            raise InputError(f"{path}: it has the format {form} instead of {FORMAT}: another version of pneuflex wrote it")
         result = cls()
         result.folder = folder
-        try:
-            result._study = _native.Study.load(folder / "case.toml", [])
-        except InputError:
-            # The numbers are there all the same.
-            pass
+        for _ in range(TRIES):
+            summary = _summary_of(folder)
+            try:
+                result._study = _native.Study.load(folder / "case.toml", [])
+            except InputError:
+                # The numbers are there all the same.
+                result._study = None
+            if _summary_of(folder) == summary:
+                break
+        else:
+            raise InputError(f"{folder}: a run is writing to it at this moment; try again")
         length = result._study.length if result._study else None
         at = summary.get("probes", {}).get("tip", {}).get("at")
-        first: list[_Body] = []
         lock = threading.Lock()
 
+        @cache
         def body() -> _Body:
             with lock:
-                if not first:
-                    files = sorted((folder / "fields").glob("step_*.vtu"))
-                    if not files:
-                        raise AttributeError("no fields were recorded (output.fields = false)")
-                    first.append(_Body.of_file(_native.read_field_file(files[0])))
-                return first[0]
+                files = (state._field_file() for state in (*result.states, *result.on_the_way))
+                file = next((file for file in files if file is not None), None)
+            if file is None:
+                raise AttributeError("no fields were recorded (output.fields = false)")
+            return _Body.of_file(file)
 
-        def fields(name: str) -> Callable[[], _native.FieldFile | None]:
-            path = folder / "fields" / f"step_{name}.vtu"
-            return lambda: _native.read_field_file(path) if path.is_file() else None
+        def states(kind: str, name: str) -> list[State]:
+            found = []
+            for i, step in enumerate(_reached(summary, kind)):
+                path = folder / "fields" / f"step_{name}{i + 1:02}.vtu"
+                found.append(State(step, length, body, partial(_field_file, path, kind, i, step), at))
+            return found
 
-        reached = [step for step in summary["steps"] if step.get("converged")]
-        for i, step in enumerate(reached):
-            result.states.append(State(step, length, body, fields(f"{i + 1:02}"), at))
-        for i, step in enumerate(summary.get("on_the_way", [])):
-            result.on_the_way.append(State(step, length, body, fields(f"on_the_way_{i + 1:02}"), at))
+        result.states, result.on_the_way = states("steps", ""), states("on_the_way", "on_the_way_")
         result.title, result.status = summary.get("title", ""), summary["status"]
         result.failure, result.reason = summary.get("failure") or "", summary.get("failure_reason")
         result.warnings = summary.get("warnings") or []
@@ -555,6 +552,7 @@ class Result(Sequence[State]):
             study = study.with_changes(flat({key: done + [x for x in values if not done or not x <= done[-1]]}))
         analysis = study.build(False, hearing.threads)
         if self.folder is not None:
+            self._check_folder()
             return follow(study, analysis, hearing, out=self.folder, resumes=True, fields=True)
         start = self._outcome.start(analysis) if self._outcome else None
         if start is None:
@@ -643,12 +641,61 @@ class Result(Sequence[State]):
         source = html.escape(page, quote=True)
         return f'<iframe srcdoc="{source}" style="width: 100%; height: 640px; border: 0" title="pneuflex"></iframe>'
 
+    def _check_folder(self) -> None:
+        """Whether the folder holds this run still, which may have gone on."""
+        assert self.folder is not None
+        _check_states(self.folder, "steps", 0, [state.summary for state in self.states])
+
     def _make_page(self) -> str:
         if self.folder is not None:
-            return _native.report_page(self.folder)
+            page = _native.report_page(self.folder)
+            self._check_folder()
+            return page
         with tempfile.TemporaryDirectory(prefix="pneuflex-") as folder:
             self._save(Path(folder))
             return _native.report_page(folder)
+
+
+def _summary_of(folder: Path) -> dict[str, Any]:
+    """What `summary.json` of a folder says."""
+    path = folder / "summary.json"
+    try:
+        summary: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        form = summary.get("format", 1)
+    except OSError as error:
+        if not folder.exists():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(folder)) from error
+        what = "holds no summary.json" if folder.is_dir() else "is no folder"
+        raise InputError(f"{folder}: not a result folder: it {what}") from error
+    except (ValueError, AttributeError) as error:
+        raise InputError(f"{path}: damaged: {error}") from error
+    if form != FORMAT:
+        raise InputError(f"{path}: it has the format {form} instead of {FORMAT}: another version of pneuflex wrote it")
+    return summary
+
+
+def _reached(summary: dict[str, Any], kind: str) -> list[dict[str, Any]]:
+    """States that were reached: `steps`, or those `on_the_way`."""
+    return [step for step in summary.get(kind, []) if kind != "steps" or step.get("converged")]
+
+
+def _check_states(folder: Path, kind: str, first: int, states: list[dict[str, Any]]) -> None:
+    """Refuses a folder that does not hold states any more, from the first on of a kind."""
+    try:
+        is_there = _reached(_summary_of(folder), kind)[first : first + len(states)] == states
+    except InputError:
+        is_there = False
+    if not is_there:
+        raise InputError(f"{folder}: another run has been recorded there since: Result.open opens what is there now")
+
+
+def _field_file(path: Path, kind: str, number: int, step: dict[str, Any]) -> _native.FieldFile | None:
+    """The fields of a state in a result folder, as long as that holds the run of which the state is."""
+    try:
+        return _native.read_field_file(path) if path.is_file() else None
+    finally:
+        # Afterwards: a run that replaces another one removes its summary before it writes any fields.
+        _check_states(path.parents[1], kind, number, [step])
 
 
 class Hearing:
