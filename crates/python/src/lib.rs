@@ -28,7 +28,7 @@ mod _native {
     #[pymodule_export]
     use crate::array::Array;
     #[pymodule_export]
-    use crate::calibration::{fit, materials, read_curves};
+    use crate::calibration::{fit, materials, read_curves, test_kind};
     #[pymodule_export]
     use crate::run::{Outcome, Start, solve};
     #[pymodule_export]

@@ -236,6 +236,26 @@ def test_sets_by_number_are_those_of_the_mesh() -> None:
                 Model.from_mesh(mesh, **sets, **rest)
 
 
+def test_a_stress_is_drawn_by_component(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    shown: list[Any] = []
+    monkeypatch.setattr(pyvista.UnstructuredGrid, "plot", lambda grid, **given: shown.append(grid[given["scalars"]]))
+    for match, given in [
+        ("must be one of xx, yy, zz, xy, yz, xz; field = von_mises", {"field": "cauchy_stress"}),
+        ("must be one of xx", {"field": "cauchy_stress", "component": "x"}),
+        ("must be one of x, y, z", {"field": "displacement", "component": "xx"}),
+        ("a single number", {"component": "xx"}),
+    ]:
+        with pytest.raises(InputError, match=match):
+            solved.plot(**given)
+    solved.plot(field="cauchy_stress", component="yz")
+    solved[-1].plot("displacement", "z")
+    solved.plot()
+    last = solved[-1]
+    for found, wanted in zip(shown, (last.cauchy_stress[:, 4], last.displacement[:, 2], last.von_mises), strict=True):
+        assert np.array_equal(found, wanted)
+
+
 def test_states_are_meshes_of_pyvista() -> None:
     pytest.importorskip("pyvista")
     case = Case.actuator(1, pressures=[2], mesh={"size": 6, "element": "hex27"})

@@ -140,6 +140,7 @@ def read_curves(
     decimal: str | None,
     specimen: tuple[float, float] | None,
 ) -> tuple[list[tuple[str, list[float], list[float]]], list[str]]: ...
+def test_kind(text: str) -> str: ...
 def fit(
     curves: list[tuple[str, str, list[float], list[float], float]],
     law: str,

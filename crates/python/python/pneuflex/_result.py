@@ -30,7 +30,8 @@ TRIES = 10
 FORMAT = 2
 """Number of the form of `summary.json` in which numbers are those of the whole body."""
 
-KNOWN = ("converged", "past-limit", "not-converged", "interrupted", "setup", "running")
+COMPONENTS = {"displacement": ("x", "y", "z"), "cauchy_stress": ("xx", "yy", "zz", "xy", "yz", "xz")}
+"""Names of the columns of fields that have several."""
 
 
 class _Body:
@@ -239,11 +240,29 @@ class State:
         grid.cell_data["pressure"] = self.hydrostatic_pressure
         return grid
 
-    def plot(self, field: str = "von_mises", **arguments: Any) -> Any:
-        """Shows the deformed body coloured by a field with PyVista; further arguments are those of `pyvista.plot`."""
+    def plot(self, field: str = "von_mises", component: str | None = None, **arguments: Any) -> Any:
+        """Shows the deformed body coloured by a field with PyVista; further arguments are those of `pyvista.plot`.
+
+        Parameters
+        ----------
+        field
+            ``von_mises``, ``displacement``, ``cauchy_stress`` or ``pressure`` (the hydrostatic one).
+        component
+            Of the displacement ``x``, ``y`` or ``z``, its length unless told otherwise; of the Cauchy stress ``xx``, ``yy``, ``zz``, ``xy``,
+            ``yz`` or ``xz``, one of which must be told.
+        """
         if field not in ("von_mises", "displacement", "cauchy_stress", "pressure"):
             raise InputError(f'field = "{field}" must be von_mises, displacement, cauchy_stress or pressure')
-        return self.mesh(deformed=True).plot(**{"scalars": field, **arguments})
+        names = COMPONENTS.get(field, ())
+        if component not in names and (component is not None or field == "cauchy_stress"):
+            words = f"must be one of {', '.join(names)}" if names else "must be left out: the field is a single number"
+            also = "; field = von_mises shows the equivalent stress" if field == "cauchy_stress" else ""
+            raise InputError(f"component = {component!r} of {field} {words}{also}")
+        mesh = self.mesh(deformed=True)
+        if component is not None:
+            field, column = f"{field} {component}", mesh.point_data[field][:, names.index(component)]
+            mesh.point_data[field] = column
+        return mesh.plot(**{"scalars": field, **arguments})
 
     def numbers(self) -> dict[str, float]:
         """The state as a flat table of numbers, named as the columns of :meth:`Result.to_dataframe`."""
