@@ -6,7 +6,7 @@ use pneuflex::diagnosis::{Warning, WarningKind};
 use pneuflex::folder::REPORT;
 use pneuflex::report_page::write_report;
 use pneuflex::words::thousands;
-use pneuflex::{Analysis, Error, OutputFolder, Start, Study, Unfinished};
+use pneuflex::{Analysis, Error, OutputFolder, Start, Status, Study, Unfinished};
 
 use crate::args::RunArguments;
 use crate::error::CliError;
@@ -64,9 +64,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
             report();
             let spent = duration(solution.timing.total_s);
-            let last = analysis.requested.last().copied();
-            let has_all = solution.states.iter().any(|state| state.kind.is_requested() && Some(state.when()) == last);
-            let end = if has_all { "converged" } else { "followed past the limit point" };
+            let is_past_limit = solution.status == Status::PastLimit;
+            let end = if is_past_limit { "followed past the limit point" } else { "converged" };
             progress.line(&format!("{end}: {} iterations in {spent}; results in {place}", solution.iterations));
             Ok(Outcome::Converged)
         }

@@ -202,6 +202,12 @@ impl Analysis {
         }
     }
 
+    /// The requested positions that are not among the states that were reached.
+    pub fn left(&self, states: &[StepSummary]) -> &[LoadParameter] {
+        let reached = states.iter().filter(|state| state.kind.is_requested()).count();
+        self.requested.get(reached..).unwrap_or_default()
+    }
+
     /// What to be careful about in results of this analysis.
     pub fn warnings(&self, states: &[StepSummary]) -> Vec<Warning> {
         let mesh = match &self.description {

@@ -10,10 +10,10 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::analysis::Analysis;
-use crate::checkpoint_file::Start;
 use crate::disk::{Disk, Life};
 use crate::folder::{OutputFolder, REPORT};
 use crate::report_page::write_report;
+use crate::start::Start;
 use crate::study::Study;
 
 const CASE: &str = "title = \"tiny\"\n[actuator]\nchambers = 2\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 0.0\n\

@@ -34,6 +34,8 @@ pub enum InputErrorKind {
     Other,
     /// The body needs more memory than there is; it may be tried with [`crate::MemoryLimit::None`].
     TooLarge,
+    /// More threads than the machine has a use for.
+    TooManyThreads,
     /// The output folder cannot be made or written to.
     UnusableFolder,
     /// The output folder holds files that are no results.

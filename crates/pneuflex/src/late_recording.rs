@@ -5,11 +5,11 @@ use std::path::Path;
 use pneuflex_newton::{Checkpoint, ConvergedState};
 
 use crate::analysis::Analysis;
-use crate::checkpoint_file::Recorded;
 use crate::error::Error;
 use crate::folder::OutputFolder;
 use crate::observer::{End, Event, Observer, ReachedState};
 use crate::recorder::Recorder;
+use crate::start::Recorded;
 
 impl Analysis {
     /// Records a run of this analysis that has ended in a folder, as [`crate::Run::record`] would have done, but for the history of its

@@ -107,7 +107,7 @@
 //! | module | what is there |
 //! |---|---|
 //! | [`study`], [`body`], [`analysis`] | what is to be solved: from files, from memory, built |
-//! | [`run`], [`observer`] | following the path |
+//! | [`run`], [`start`], [`observer`] | following the path, from rest or from an earlier run |
 //! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`advice`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
@@ -148,6 +148,7 @@ mod refusals;
 pub mod report_page;
 pub mod run;
 pub mod solution;
+pub mod start;
 mod store;
 pub mod study;
 pub mod template;
@@ -166,16 +167,16 @@ pub use pneuflex_rod as rod;
 
 pub use analysis::Analysis;
 pub use body::Body;
-pub use checkpoint_file::Start;
 pub use document::{CaseFile, Change};
 pub use error::{Error, ResultsError, Unfinished};
 pub use folder::OutputFolder;
-pub use input_error::InputError;
+pub use input_error::{InputError, InputErrorKind};
 pub use memory::{Estimate, MemoryLimit};
 pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
 pub use run::Run;
-pub use solution::Solution;
+pub use solution::{Solution, Status};
+pub use start::Start;
 pub use store::input_file;
 pub use study::Study;
 
@@ -212,5 +213,6 @@ fn check_threads(threads: usize) -> Result<(), InputError> {
     }
     let help = format!("leave it out to use all {cores} cores");
     Err(InputError::new(format!("{threads} threads are too many: at the most {most}, four times the {cores} cores"))
+        .of_kind(InputErrorKind::TooManyThreads)
         .with_help(Some(help)))
 }

@@ -129,7 +129,7 @@ fn bytes(kind: ElementKind, chambers: usize, unknowns: f64) -> f64 {
 }
 
 /// Memory the system can still give away, bytes: what is free, and what the limits of this process leave of it; `None` where it does not say.
-fn available() -> Option<f64> {
+pub fn available() -> Option<f64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let free = read("/proc/meminfo").and_then(|text| kibibytes(&text, "MemAvailable:"));
     let of_group = read("/proc/self/cgroup").and_then(|groups| left_to_group(&groups, Path::new("/sys/fs/cgroup")));

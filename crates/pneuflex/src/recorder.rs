@@ -5,14 +5,14 @@ use std::fs::File;
 use std::time::Instant;
 
 use pneuflex_model::{Clock, Control, LoadParameter, Pressure, SymmetryPlane};
-use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecord, Timing};
+use pneuflex_newton::{Checkpoint, ConvergedState, IterationRecord, Timing};
 use pneuflex_post::summary::{Described, ProbeSite, StepSummary, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
 use pneuflex_report::summary::FORMAT;
 use serde::Serialize;
 
 use crate::analysis::Analysis;
-use crate::checkpoint_file::{self, Recorded};
+use crate::checkpoint_file;
 use crate::derived;
 use crate::diagnosis::Warning;
 use crate::error::{ResultsError, end_in_words};
@@ -22,6 +22,8 @@ use crate::json;
 use crate::observer::{End, Event, Observer, ReachedState};
 use crate::on_the_way::{OnTheWay, on_the_way_number};
 use crate::reason::Reason;
+use crate::solution::Status;
+use crate::start::Recorded;
 
 /// File of the iterations, one a line.
 const HISTORY: &str = "history.jsonl";
@@ -63,17 +65,6 @@ struct Summary<'a> {
     on_the_way: &'a [StepSummary],
     iterations_total: usize,
     timing: RunTiming,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Status {
-    Running,
-    Converged,
-    /// The path was followed past a limit point to its end; requested positions above that were not reached.
-    PastLimit,
-    NotConverged,
-    Interrupted,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -217,8 +208,7 @@ impl<'a> Recorder<'a> {
 
     /// The requested positions that have not been reached.
     fn left(&self) -> &[LoadParameter] {
-        let reached = self.steps.iter().filter(|step| step.kind.is_requested()).count();
-        self.analysis.requested.get(reached..).unwrap_or_default()
+        self.analysis.left(&self.steps)
     }
 
     /// How far the last state is along the path: its position, or where that turned back the greatest one and how far it has gone since.
@@ -328,17 +318,11 @@ impl<'a> Recorder<'a> {
     }
 
     fn ending(&self, end: &End<'_>, on_the_way: Vec<StepSummary>) -> Ending {
-        // A path that was stopped because of an error has not been interrupted by anybody.
         let failure = match (end.error, end.failure) {
             (Some(error), _) => Some(error.to_string()),
             (None, failure) => failure.map(|failure| end_in_words(failure, end.reason)),
         };
-        let status = match (&failure, end.failure) {
-            (None, _) if !self.left().is_empty() => Status::PastLimit,
-            (None, _) => Status::Converged,
-            (_, Some(Failure { cause: Cause::Interrupted, .. })) if end.error.is_none() => Status::Interrupted,
-            _ => Status::NotConverged,
-        };
+        let status = Status::at_end(self.left(), end.failure, end.error.is_some());
         let missed = match status {
             Status::NotConverged if end.error.is_none() => self.left().get(..1).unwrap_or_default(),
             Status::PastLimit => self.left(),

@@ -11,7 +11,6 @@ use pneuflex_newton::{self as newton, Cause, Checkpoint, ConvergedState, Failure
 use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
 
 use crate::analysis::Analysis;
-use crate::checkpoint_file::{Recorded, Start};
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
 use crate::folder::OutputFolder;
@@ -19,7 +18,8 @@ use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
 use crate::on_threads;
 use crate::reason::explain;
 use crate::recorder::Recorder;
-use crate::solution::Solution;
+use crate::solution::{Solution, Status};
+use crate::start::{Recorded, Start};
 
 /// Where results are recorded, and whether an earlier run is gone on with.
 enum Recording {
@@ -34,7 +34,7 @@ pub struct Run<'a> {
     observers: Vec<Box<dyn Observer + 'a>>,
     threads: Option<usize>,
     stop: StopToken,
-    from: Option<Checkpoint>,
+    start: Start,
     recording: Option<Recording>,
     keeps_fields: bool,
 }
@@ -61,7 +61,7 @@ impl<'a> Run<'a> {
             observers: Vec::new(),
             threads: None,
             stop: StopToken::new(),
-            from: None,
+            start: Start::AtRest,
             recording: None,
             keeps_fields: true,
         }
@@ -91,8 +91,13 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on from a load step that an observer was told of, by [`Event::StepAccepted`], as if the run had never ended.
-    pub fn resume_from(mut self, checkpoint: Checkpoint) -> Self {
-        self.from = Some(checkpoint);
+    pub fn resume_from(self, checkpoint: Checkpoint) -> Self {
+        self.start_at(Start::From(Box::new((Recorded::default(), checkpoint))))
+    }
+
+    /// Begins where [`Analysis::start_after`] says.
+    pub fn start_at(mut self, start: Start) -> Self {
+        self.start = start;
         self
     }
 
@@ -136,36 +141,33 @@ impl<'a> Run<'a> {
 
     fn follow(mut self) -> Result<Solution, Error> {
         let analysis = self.analysis;
-        let opened = self.recording.take().map(|recording| recording.open(analysis)).transpose()?;
-        let mut recorded = Recorded::default();
-        let mut is_fresh = false;
-        let folder = match opened {
-            Some((_, Start::Complete(states))) => {
+        let (folder, start) = match self.recording.take() {
+            Some(recording) => {
+                let (folder, start, is_fresh) = recording.open(analysis, self.start)?;
+                (Some((folder, is_fresh)), start)
+            }
+            None => (None, self.start),
+        };
+        let (recorded, from) = match start {
+            Start::Complete(states) => {
                 let warnings = analysis.warnings(&states);
-                return Ok(Solution { states, warnings, ..Solution::default() });
+                let status = Status::at_end(analysis.left(&states), None, false);
+                return Ok(Solution { status, states, warnings, ..Solution::default() });
             }
-            Some((folder, Start::From(earlier))) => {
-                (recorded, self.from) = (earlier.0, Some(earlier.1));
-                Some(folder)
-            }
-            Some((folder, Start::AtRest)) => {
-                is_fresh = true;
-                Some(folder)
-            }
-            None => None,
+            Start::From(earlier) => (earlier.0, Some(earlier.1)),
+            Start::AtRest => (Recorded::default(), None),
         };
         let states = recorded.steps.clone();
-        let remaining = left(&analysis.requested, &states, self.from.as_ref());
-        let last_equilibrium = match &self.from {
+        let remaining = left(&analysis.requested, &states, from.as_ref());
+        let last_equilibrium = match &from {
             Some(checkpoint) => checkpoint.displacement.clone(),
             None => vec![[0.0; 3]; analysis.problem.mesh.num_nodes()],
         };
-        let spent =
-            self.from.as_ref().map_or([0, 0], |from| [from.approach.iterations_before, from.approach.load_steps]);
+        let spent = from.as_ref().map_or([0, 0], |from| [from.approach.iterations_before, from.approach.load_steps]);
         let stop = Arc::new(AtomicBool::new(false));
-        let path = set_up(analysis, &remaining, self.from, &stop);
+        let path = set_up(analysis, &remaining, from, &stop);
         // Only now: a run that cannot begin leaves the results of an earlier one as they are.
-        if let (Some(folder), Ok(_)) = (folder, &path) {
+        if let (Some((folder, is_fresh)), Ok(_)) = (folder, &path) {
             if is_fresh {
                 folder.begin()?;
             }
@@ -224,16 +226,19 @@ fn set_up(
 }
 
 impl Recording {
-    fn open(self, analysis: &Analysis) -> Result<(OutputFolder, Start), Error> {
-        Ok(match self {
-            Self::Fresh(path) => (OutputFolder::prepare(&path)?, Start::AtRest),
+    /// The folder, where the run begins, and whether what the folder holds is replaced; `start` is where a run begins that is recorded anew.
+    fn open(self, analysis: &Analysis, start: Start) -> Result<(OutputFolder, Start, bool), Error> {
+        let (folder, start) = match self {
+            Self::Fresh(path) => return Ok((OutputFolder::prepare(&path)?, start, true)),
             Self::Continued(path) => {
                 let folder = OutputFolder::prepare(&path)?;
                 let start = folder.start(analysis)?;
                 (folder, start)
             }
             Self::Opened(folder, start) => (folder, start),
-        })
+        };
+        let is_fresh = matches!(start, Start::AtRest);
+        Ok((folder, start, is_fresh))
     }
 }
 
@@ -334,7 +339,8 @@ impl Audience<'_> {
         }
         let PathReport { iterations, timing } = report;
         let warnings = self.analysis.warnings(&self.found.states);
-        let reached = Solution { warnings, iterations, timing, ..self.found };
+        let status = Status::at_end(self.analysis.left(&self.found.states), failure.as_ref(), error.is_some());
+        let reached = Solution { status, warnings, iterations, timing, ..self.found };
         match (error, failure) {
             (Some(error), _) => Err(error.into()),
             (None, Some(failure)) => Err(Unfinished { failure, reason, reached }.into_error()),

@@ -9,7 +9,7 @@ use pneuflex_model::model_file::{Model, Source};
 use pneuflex_model::{Case, Formulation};
 
 use crate::analysis::{Analysis, Guard};
-use crate::body_file::is_deck;
+use crate::body_file::{is_deck, read_body};
 use crate::document::{CaseFile, Change, Written, is_model};
 use crate::error::Error;
 use crate::input_error::{InputError, Origin, Place};
@@ -68,8 +68,20 @@ impl Study {
     /// # Errors
     /// As for [`Self::load`].
     pub fn from_files(name: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Result<Self, Error> {
+        Self::from_files_with(name, files, Vec::new())
+    }
+
+    /// The same with changes to keys, as [`Self::load_with`].
+    ///
+    /// # Errors
+    /// As for [`Self::load`].
+    pub fn from_files_with(
+        name: &str,
+        files: impl IntoIterator<Item = (String, Vec<u8>)>,
+        changes: Vec<Change>,
+    ) -> Result<Self, Error> {
         let files: BTreeMap<_, _> = files.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
-        Self::from_store(Path::new(name), Store::Memory(Arc::new(files)), Vec::new())
+        Self::from_store(Path::new(name), Store::Memory(Arc::new(files)), changes)
     }
 
     /// A model on a mesh in memory: `text` is that of a model file without `[model]`, and speaks of the mesh's sets. Errors call it `name`.
@@ -96,6 +108,29 @@ impl Study {
         let text: Arc<str> = if is_deck(path) { Arc::from("") } else { store.text(path)?.into() };
         let described = read(path, &text, &changes)?;
         Ok(Self { path: path.to_owned(), store, text, changes, described })
+    }
+
+    /// All that it is read from, by paths: its text, the deck or mesh that it names, and what that includes. [`Self::from_files_with`] makes
+    /// the same study of them, which reads nothing from the disk.
+    ///
+    /// # Errors
+    /// [`Error::Input`]: a deck or a mesh that cannot be read.
+    pub fn files(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>, Error> {
+        let own = (self.path.clone(), self.text.as_bytes().to_vec());
+        let (mut files, source, element) = match &self.described {
+            Described::Actuator(_) => return Ok(BTreeMap::from([own])),
+            Described::Model(file) => match &file.case.model {
+                Some(source) => (BTreeMap::from([own]), source.clone(), file.case.mesh.element),
+                None => return Ok(BTreeMap::from([own])),
+            },
+            Described::Deck => (BTreeMap::new(), source_of_deck(&self.path), None),
+        };
+        let path = self.store.beside(&self.path, &source.file);
+        let read = read_body(&self.store, &path, &source, element)?.files;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        files.extend(read.included.into_iter().map(|(name, bytes)| (folder.join(name), bytes)));
+        files.insert(path, read.bytes);
+        Ok(files)
     }
 
     /// Sets a key, e.g. `actuator.gap` to `1.5` or `mesh.element` to `hex8-q1p0`. The value is TOML; what is no TOML is taken as a text.
@@ -177,8 +212,7 @@ impl Study {
                 Analysis::of_model(&self.store, &self.path, file.case.clone(), guard, &say)
             }
             Described::Deck => {
-                let file = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                let model = Model { model: Some(Source { file, scale: 1.0 }), ..Model::default() };
+                let model = Model { model: Some(source_of_deck(&self.path)), ..Model::default() };
                 let say = |error| InputError::about_file(&self.path, error);
                 Analysis::of_model(&self.store, &self.path, model, guard, &say)
             }
@@ -192,6 +226,12 @@ impl Study {
     pub fn solve(&self) -> Result<Solution, Error> {
         self.build()?.solve()
     }
+}
+
+/// A deck as the body of a model that says nothing else.
+fn source_of_deck(path: &Path) -> Source {
+    let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Source { file, scale: 1.0 }
 }
 
 fn read(path: &Path, text: &Arc<str>, changes: &[Change]) -> Result<Described, Vec<InputError>> {

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use pneuflex::mesh::Facet;
 use pneuflex::model::{Formulation, Law, Material};
 use pneuflex::{
-    Analysis, Body, Change, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, StopToken, Study,
-    template,
+    Analysis, Body, Change, End, Error, Event, MemoryLimit, Observer, ResultsError, Run, Solution, Start, Status,
+    StopToken, Study, template,
 };
 
 /// Two chambers on a mesh that is solved in no time.
@@ -282,6 +282,38 @@ fn bodies_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn a_study_is_all_files_that_it_is_read_from() {
+    let folder = scratch("files");
+    fs::create_dir_all(folder.join("body")).unwrap();
+    let deck = "*INCLUDE, INPUT=nodes.inc\n*ELEMENT, TYPE=C3D8, ELSET=BAR\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n\
+                *MATERIAL, NAME=SILICONE\n*HYPERELASTIC, NEO HOOKE\n0.1, 0.1\n*SOLID SECTION, ELSET=BAR, MATERIAL=SILICONE\n\
+                *BOUNDARY\nFOOT, 1, 3\n*STEP, NLGEOM\n*STATIC\n1., 1.\n*BOUNDARY\nFOOT, 3, 3, 0.1\n*END STEP\n";
+    let nodes =
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 2\n6, 1, 0, 2\n7, 1, 1, 2\n8, 0, 1, 2\n";
+    let model = "model.file = \"body/brick.inp\"\nload.times = [1.0]\n";
+    for (name, text) in [("brick.toml", model), ("body/brick.inp", deck), ("body/nodes.inc", nodes)] {
+        fs::write(folder.join(name), text).unwrap();
+    }
+    for (name, count) in [("brick.toml", 3), ("body/brick.inp", 2)] {
+        let name = folder.join(name).display().to_string();
+        let study = Study::load(&name).unwrap();
+        let files = study.files().unwrap();
+        assert_eq!(files.len(), count);
+        let files: Vec<_> = files.into_iter().map(|(path, bytes)| (path.display().to_string(), bytes)).collect();
+        // The copy reads nothing from the disk.
+        let built = study.build().unwrap().problem;
+        let elsewhere = scratch("files-elsewhere");
+        fs::rename(&folder, &elsewhere).unwrap();
+        let copy = Study::from_files_with(&name, files, Vec::new()).unwrap();
+        assert!(copy.build().unwrap().problem == built);
+        assert_eq!(copy.files().unwrap().len(), count);
+        assert!(study.files().is_err());
+        fs::rename(&elsewhere, &folder).unwrap();
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
     let analysis = coarse().build().unwrap();
     let whole = analysis.solve().unwrap();
@@ -298,7 +330,7 @@ fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
         _ => {}
     });
     let Err(Error::Interrupted(ended)) = stopped.solve() else { panic!("it went on") };
-    assert_eq!(ended.reached.states.len(), 2);
+    assert_eq!((ended.reached.states.len(), ended.reached.status), (2, Status::Interrupted));
     assert_eq!((ended.failure.reached.0, ended.reason.is_none()), (2.0, true));
 
     let close = |a: &Solution, states: usize| {
@@ -309,14 +341,26 @@ fn a_run_is_stopped_recorded_and_gone_on_with_as_if_it_had_never_ended() {
         assert_eq!(a.iterations, whole.iterations);
     };
     // From memory the state at the checkpoint is reached once more.
-    close(&analysis.run().resume_from(checkpoint.unwrap()).solve().unwrap(), 2);
+    let checkpoint = checkpoint.unwrap();
+    close(&analysis.run().resume_from(checkpoint.clone()).solve().unwrap(), 2);
+    // With the state before it, as from a folder; and both leave out nothing that was reached.
+    let start = |of: &Analysis| of.start_after(&analysis, &ended.reached, Some((&checkpoint, 1)));
+    close(&analysis.run().start_at(start(&analysis).unwrap()).solve().unwrap(), 3);
+    let other = coarse().set("load.pressure_kpa", "[1, 1.5]").unwrap().build().unwrap();
+    let refused = start(&other).unwrap_err().to_string();
+    assert!(refused.starts_with("load.pressure_kpa leaves out what was reached"), "{refused}");
+    let Err(Error::Input(errors)) = other.run().resume(&path).solve() else { panic!("it went on") };
+    assert!(errors[0].to_string().ends_with(&refused), "{}", errors[0]);
+    let stiffer = coarse().set("material.c10", "0.3").unwrap().build().unwrap();
+    assert!(start(&stiffer).unwrap_err().to_string().contains("material.c10 was"));
     close(&analysis.run().resume(&path).solve().unwrap(), 3);
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(path.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["status"], "converged");
     // Nothing is left to do.
     let again = analysis.run().resume(&path).observer(|_| panic!("it was solved once more")).solve().unwrap();
-    assert_eq!(again.states.len(), 3);
+    assert_eq!((again.states.len(), again.status), (3, Status::Converged));
+    assert!(matches!(analysis.start_after(&analysis, &again, None), Ok(Start::Complete(states)) if states.len() == 3));
     fs::remove_dir_all(&path).unwrap();
 }
 

@@ -63,6 +63,12 @@ pub fn read_curves(
     })
 }
 
+/// The kind of test that a text names.
+#[pyfunction]
+pub fn test_kind(py: Python<'_>, text: &str) -> PyResult<&'static str> {
+    mode(py, text).map(Mode::name)
+}
+
 /// Fits a law to curves (name, test, stretches, nominal stresses in MPa, weight) in a range, or as far as it can follow them; the fit as
 /// JSON, with what was left out of the curves.
 #[pyfunction]
@@ -152,8 +158,9 @@ fn one_of<T>(
 }
 
 fn mode(py: Python<'_>, text: &str) -> PyResult<Mode> {
-    Mode::find(text)
-        .ok_or_else(|| wrong(py, format!("test = \"{text}\" must be uniaxial, equibiaxial or planar (pure shear)")))
+    Mode::find(text).ok_or_else(|| {
+        wrong(py, format!("\"{text}\" is no kind of test: it must be uniaxial, equibiaxial or planar (pure shear)"))
+    })
 }
 
 fn strain_measure(text: &str) -> Option<StrainMeasure> {

@@ -42,7 +42,8 @@ pub fn bad_input(py: Python<'_>, errors: &[InputError]) -> PyErr {
         .iter()
         .map(|error| {
             let file = error.file().map(|path| path.display().to_string());
-            (in_full(error), error.to_string(), error.key(), help(error), file, error.line())
+            let of_machine = error.kind() != InputErrorKind::Other;
+            (in_full(error), error.to_string(), error.key(), help(error), file, error.line(), of_machine)
         })
         .collect();
     let class = py.import("pneuflex._errors").and_then(|module| module.getattr("InputError"));
@@ -76,7 +77,7 @@ fn in_full(error: &InputError) -> String {
 /// What to do about bad input, in terms of the package.
 fn help(error: &InputError) -> Option<String> {
     let help = match error.kind() {
-        InputErrorKind::Other => return error.help().map(str::to_owned),
+        InputErrorKind::Other | InputErrorKind::TooManyThreads => return error.help().map(str::to_owned),
         InputErrorKind::TooLarge => {
             "choose a coarser mesh.resolution or a larger mesh.size, or force=True to try all the same"
         }

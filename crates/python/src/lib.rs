@@ -28,13 +28,13 @@ mod _native {
     #[pymodule_export]
     use crate::array::Array;
     #[pymodule_export]
-    use crate::calibration::{fit, materials, read_curves};
+    use crate::calibration::{fit, materials, read_curves, test_kind};
     #[pymodule_export]
-    use crate::run::{Checkpoint, Outcome, solve};
+    use crate::run::{Outcome, Start, solve};
     #[pymodule_export]
     use crate::state::{FieldFile, State, read_field_file, report_page};
     #[pymodule_export]
-    use crate::study::{Analysis, Study, template};
+    use crate::study::{Analysis, Study, available_memory, template};
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 }

@@ -15,31 +15,39 @@ use pneuflex::reason::Reason;
 use pneuflex::{End, Error, Event, Observer, ResultsError, Solution, StopToken, Unfinished, on_threads};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use serde::Serialize;
 
-use crate::error::{apart, of_panic, raised, wrong};
+use crate::error::{apart, of_panic, raised};
 use crate::state::{Kept, State};
 use crate::study::Analysis;
 
 /// How long Ctrl-C may go unheard.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// The last load step that was accepted, from which a run can go on.
+/// A load step that was accepted, and the number of states that had been reached before.
+type Step = (Arc<newton::Checkpoint>, usize);
+
+/// Where a run goes on from one that is kept in memory.
 #[pyclass(frozen, module = "pneuflex._native")]
-pub struct Checkpoint(Arc<newton::Checkpoint>);
+pub struct Start {
+    start: pneuflex::Start,
+    heard: Heard,
+    /// Number of states that were told of already.
+    told: usize,
+}
 
 /// What a run found, and how it ended.
 #[pyclass(frozen, module = "pneuflex._native")]
 pub struct Outcome {
+    analysis: Arc<pneuflex::Analysis>,
     status: &'static str,
     failure: Option<(Failure, Option<Reason>)>,
     words: String,
+    found: Solution,
+    /// Those that were found, and those of the run in memory that this one went on from.
     states: Vec<Arc<Kept>>,
-    /// Summaries of states that were reached before, by the run that this one went on from.
-    earlier: Vec<String>,
     last: Option<Arc<Kept>>,
-    warnings: String,
-    report: PathReport,
-    checkpoint: Option<(Arc<newton::Checkpoint>, usize)>,
+    step: Option<Step>,
 }
 
 /// What the thread that solves says.
@@ -57,13 +65,14 @@ struct Ear {
     /// Heard when a state has been looked at.
     go_on: Option<Receiver<()>>,
     heard: Arc<Mutex<Heard>>,
+    told: usize,
     stop: StopToken,
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Heard {
     states: Vec<Arc<Kept>>,
-    checkpoint: Option<(Arc<newton::Checkpoint>, usize)>,
+    step: Option<Step>,
 }
 
 impl Observer for Ear {
@@ -77,13 +86,17 @@ impl Observer for Ear {
             Event::StepAccepted(checkpoint) if self.keeps_fields => {
                 let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
                 let states = heard.states.len();
-                heard.checkpoint = Some((Arc::new((*checkpoint).clone()), states));
+                heard.step = Some((Arc::new((*checkpoint).clone()), states));
             }
             Event::State(state) => {
                 let kept = Kept::new(&self.analysis, state.equilibrium, state.described, self.keeps_fields)?;
                 let kept = Arc::new(kept);
-                self.heard.lock().unwrap_or_else(PoisonError::into_inner).states.push(Arc::clone(&kept));
-                let is_heard = self.messages.send(Message::State(kept)).is_ok();
+                let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+                heard.states.push(Arc::clone(&kept));
+                // A load step that was accepted at a position that was asked for is reached once more.
+                let is_new = heard.states.len() > self.told;
+                drop(heard);
+                let is_heard = is_new && self.messages.send(Message::State(kept)).is_ok();
                 if let Some(go_on) = self.go_on.as_ref().filter(|_| is_heard && !self.stop.is_stopped()) {
                     let _ = go_on.recv();
                 }
@@ -100,7 +113,7 @@ struct Request {
     threads: Option<usize>,
     out: Option<PathBuf>,
     resumes: bool,
-    start: Option<newton::Checkpoint>,
+    start: pneuflex::Start,
     keeps_fields: bool,
     stop: StopToken,
 }
@@ -108,19 +121,19 @@ struct Request {
 impl Request {
     fn solve(self, ear: Ear) -> Result<Outcome, Error> {
         let heard = Arc::clone(&ear.heard);
-        let mut run = self.analysis.run().without_fields().stop(&self.stop).observe_with(ear);
-        if let Some(out) = &self.out {
-            run = if self.resumes { run.resume(out) } else { run.record(out) };
-        }
-        if let Some(start) = self.start {
-            run = run.resume_from(start);
-        }
+        let run = self.analysis.run().without_fields().stop(&self.stop).observe_with(ear);
+        let run = match &self.out {
+            Some(out) if self.resumes => run.resume(out),
+            Some(out) => run.record(out),
+            None => run.start_at(self.start),
+        };
         let ended = on_threads(self.threads, || run.solve());
-        let Heard { states, checkpoint } = std::mem::take(&mut *heard.lock().unwrap_or_else(PoisonError::into_inner));
+        let Heard { states, step } = std::mem::take(&mut *heard.lock().unwrap_or_else(PoisonError::into_inner));
         let (status, failure, words, found) = match ended {
-            Ok(found) => (status_of(&self.analysis, &found), None, String::new(), found),
-            Err(Error::NotConverged(ended)) => unfinished("not-converged", *ended),
-            Err(Error::Interrupted(ended)) => unfinished("interrupted", *ended),
+            Ok(found) => (found.status.name(), None, String::new(), found),
+            Err(Error::NotConverged(ended) | Error::Interrupted(ended)) => {
+                unfinished(ended.reached.status.name(), *ended)
+            }
             Err(Error::Setup(ended)) => unfinished("setup", *ended),
             Err(error) => return Err(error),
         };
@@ -129,42 +142,12 @@ impl Request {
             let described = self.analysis.describe(last).ok()?;
             Kept::new(&self.analysis, last, &described, self.keeps_fields).ok().map(Arc::new)
         });
-        let written = |what: &dyn erased::Json| what.json();
-        let reached_before = found.states.len().saturating_sub(states.len());
-        Ok(Outcome {
-            status,
-            failure,
-            words,
-            states,
-            earlier: found.states[..reached_before].iter().map(|state| written(state)).collect::<Result<_, _>>()?,
-            last,
-            warnings: written(&found.warnings)?,
-            report: PathReport { iterations: found.iterations, timing: found.timing },
-            checkpoint,
-        })
+        Ok(Outcome { analysis: self.analysis, status, failure, words, found, states, last, step })
     }
 }
 
-/// Writing as JSON without naming the type.
-mod erased {
-    use pneuflex::{Error, ResultsError};
-
-    pub trait Json {
-        fn json(&self) -> Result<String, Error>;
-    }
-
-    impl<T: serde::Serialize> Json for T {
-        fn json(&self) -> Result<String, Error> {
-            let text = serde_json::to_string(self);
-            Ok(text.map_err(|error| ResultsError::not_representable("result", error))?)
-        }
-    }
-}
-
-fn status_of(analysis: &pneuflex::Analysis, found: &Solution) -> &'static str {
-    let last = analysis.requested.last().copied();
-    let has_all = found.states.iter().any(|state| state.kind.is_requested() && Some(state.when()) == last);
-    if has_all || analysis.requested.is_empty() { "converged" } else { "past-limit" }
+fn written<T: Serialize>(py: Python<'_>, what: &T) -> PyResult<String> {
+    serde_json::to_string(what).map_err(|why| raised(py, ResultsError::not_representable("result", why).into()))
 }
 
 type Ended = (&'static str, Option<(Failure, Option<Reason>)>, String, Solution);
@@ -175,7 +158,7 @@ fn unfinished(status: &'static str, ended: Unfinished) -> Ended {
 }
 
 /// Follows the path of an analysis. `on_state` and `on_iteration` are called on this thread; what they raise stops the run and is raised
-/// here. `out` is a folder to record in, `resumes` goes on with what that holds, `start` with a load step.
+/// here. `out` is a folder to record in, `resumes` goes on with what that holds, `start` without a folder with a run in memory.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]
 pub fn solve(
@@ -184,14 +167,11 @@ pub fn solve(
     threads: Option<usize>,
     out: Option<PathBuf>,
     resumes: bool,
-    start: Option<&Checkpoint>,
+    start: Option<&Start>,
     keeps_fields: bool,
     on_state: Option<Bound<'_, PyAny>>,
     on_iteration: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Outcome> {
-    if threads == Some(0) {
-        return Err(wrong(py, "threads = 0 must be at least 1; leave it out to use all cores"));
-    }
     let stop = StopToken::new();
     let (messages, received) = channel();
     let (let_go_on, go_on) = channel();
@@ -200,7 +180,7 @@ pub fn solve(
         threads,
         out,
         resumes,
-        start: start.map(|start| (*start.0).clone()),
+        start: start.map(|start| start.start.clone()).unwrap_or_default(),
         keeps_fields,
         stop: stop.clone(),
     };
@@ -210,7 +190,8 @@ pub fn solve(
         says_iterations: on_iteration.is_some(),
         messages,
         go_on: on_state.is_some().then_some(go_on),
-        heard: Arc::default(),
+        heard: Arc::new(Mutex::new(start.map(|start| start.heard.clone()).unwrap_or_default())),
+        told: start.map_or(0, |start| start.told),
         stop: stop.clone(),
     };
     let solver = thread::Builder::new()
@@ -273,19 +254,13 @@ impl Outcome {
     #[getter]
     fn reason(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let reason = self.failure.as_ref().and_then(|(_, reason)| reason.as_ref());
-        reason.map(|reason| erased::Json::json(reason).map_err(|error| raised(py, error))).transpose()
+        reason.map(|reason| written(py, reason)).transpose()
     }
 
-    /// States that were reached.
+    /// States that were reached, without those that a folder holds already.
     #[getter]
     fn states(&self) -> Vec<State> {
         self.states.iter().map(|kept| State(Arc::clone(kept))).collect()
-    }
-
-    /// Summaries of the states that an earlier run had reached, as JSON.
-    #[getter]
-    fn earlier(&self) -> Vec<String> {
-        self.earlier.clone()
     }
 
     /// The last equilibrium of a run that ended early, if it lies between the requested ones.
@@ -296,52 +271,50 @@ impl Outcome {
 
     /// Warnings, as JSON.
     #[getter]
-    fn warnings(&self) -> &str {
-        &self.warnings
+    fn warnings(&self, py: Python<'_>) -> PyResult<String> {
+        written(py, &self.found.warnings)
     }
 
     /// Newton iterations, rejected attempts included.
     #[getter]
     fn iterations(&self) -> usize {
-        self.report.iterations
+        self.found.iterations
     }
 
     /// Seconds by kind of work, as JSON.
     #[getter]
     fn timing(&self, py: Python<'_>) -> PyResult<String> {
-        erased::Json::json(&self.report.timing).map_err(|error| raised(py, error))
+        written(py, &self.found.timing)
     }
 
-    /// Where a run can go on.
-    #[getter]
-    fn checkpoint(&self) -> Option<Checkpoint> {
-        self.checkpoint.as_ref().map(|(checkpoint, _)| Checkpoint(Arc::clone(checkpoint)))
+    /// Where a run of an analysis goes on from this one; nowhere if nothing is left to do.
+    fn start(&self, py: Python<'_>, analysis: &Analysis) -> PyResult<Option<Start>> {
+        let step = self.step.as_ref().map(|(checkpoint, states)| (&**checkpoint, *states));
+        let start = apart(py, || Ok(analysis.analysis.start_after(&self.analysis, &self.found, step)?))?;
+        let states = match &start {
+            pneuflex::Start::Complete(_) => return Ok(None),
+            pneuflex::Start::AtRest => return Ok(Some(Start { start, heard: Heard::default(), told: 0 })),
+            pneuflex::Start::From(earlier) => earlier.0.steps.len(),
+        };
+        let heard = Heard { states: self.states[..states].to_vec(), step: self.step.clone() };
+        Ok(Some(Start { start, heard, told: self.states.len() }))
     }
 
-    /// Records the run in a folder, with the states of the run that it went on from.
-    fn record(
-        &self,
-        py: Python<'_>,
-        analysis: &Analysis,
-        folder: PathBuf,
-        earlier: Vec<PyRef<'_, State>>,
-    ) -> PyResult<()> {
-        let earlier: Vec<Arc<Kept>> = earlier.iter().map(|state| Arc::clone(&state.0)).collect();
-        let analysis = Arc::clone(&analysis.analysis);
+    /// Records the run in a folder.
+    fn record(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         apart(py, || {
             on_threads(Some(1), || {
-                let states: Vec<_> = earlier.iter().chain(&self.states).map(|kept| &kept.equilibrium).collect();
-                let checkpoint = self.checkpoint.as_ref();
-                let checkpoint = checkpoint.map(|(checkpoint, before)| (&**checkpoint, before + earlier.len()));
+                let states: Vec<_> = self.states.iter().map(|kept| &kept.equilibrium).collect();
+                let step = self.step.as_ref().map(|(checkpoint, before)| (&**checkpoint, *before));
                 let failure = self.failure.as_ref();
                 let end = End {
-                    report: &self.report,
+                    report: &PathReport { iterations: self.found.iterations, timing: self.found.timing },
                     failure: failure.map(|(failure, _)| failure),
                     reason: failure.and_then(|(_, reason)| reason.as_ref()),
                     last: self.last.as_ref().map(|kept| &kept.equilibrium),
                     error: None,
                 };
-                analysis.record(&folder, &states, checkpoint, &end).map(drop)
+                self.analysis.record(&folder, &states, step, &end).map(drop)
             })
         })
     }

@@ -8,6 +8,7 @@ use pneuflex::mesh::{Facet, Mesh};
 use pneuflex::model::Formulation;
 use pneuflex::{Change, Error, InputError, MemoryLimit, on_threads};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::array::Array;
 use crate::error::{apart, wrong};
@@ -34,14 +35,15 @@ impl Study {
         apart(py, || pneuflex::Study::load_with(path, changed(changes)).map(Self))
     }
 
-    /// The same from a text that is called `name`.
+    /// The same from the file of that name and those that it names, by their paths.
     #[staticmethod]
-    fn from_text(py: Python<'_>, name: &str, text: &str, changes: Vec<(String, String)>) -> PyResult<Self> {
-        apart(py, || {
-            let mut study = pneuflex::Study::from_text(name, text)?;
-            study.set_all(changed(changes))?;
-            Ok(Self(study))
-        })
+    fn from_files(
+        py: Python<'_>,
+        name: &str,
+        files: HashMap<String, Vec<u8>>,
+        changes: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        apart(py, || pneuflex::Study::from_files_with(name, files, changed(changes)).map(Self))
     }
 
     /// A model on a mesh of little-endian numbers: positions, nodes of cells and members of sets.
@@ -53,7 +55,7 @@ impl Study {
         text: &str,
         element: &str,
         nodes: &[u8],
-        cells: &[u8],
+        cells: (Vec<u8>, usize),
         node_sets: HashMap<String, Vec<u8>>,
         face_sets: HashMap<String, Faces>,
         cell_sets: HashMap<String, Vec<u8>>,
@@ -63,11 +65,16 @@ impl Study {
             let names = Formulation::ALL.map(|formulation| formulation.name()).join(", ");
             return Err(wrong(py, format!("element = \"{element}\" must be one of {names}")));
         };
+        let (kind, (cells, columns)) = (formulation.element_kind(), cells);
+        if columns != kind.num_nodes() {
+            let what = format!("element = \"{element}\" has {} nodes, but cells have {columns}", kind.num_nodes());
+            return Err(wrong(py, what));
+        }
         apart(py, || {
             let mut mesh = Mesh {
-                kind: formulation.element_kind(),
+                kind,
                 nodes: floats(nodes).chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
-                connectivity: numbers(cells),
+                connectivity: numbers(&cells),
                 node_sets: node_sets.into_iter().map(|(name, bytes)| (name, sorted(numbers(&bytes)))).collect(),
                 facet_sets: BTreeMap::new(),
                 element_sets: cell_sets.into_iter().map(|(name, bytes)| (name, sorted(numbers(&bytes)))).collect(),
@@ -89,6 +96,13 @@ impl Study {
             study.set_all(changed(changes))?;
             Ok(Self(study))
         })
+    }
+
+    /// All files that it is read from, by their paths.
+    #[getter]
+    fn files(&self, py: Python<'_>) -> PyResult<BTreeMap<PathBuf, Py<PyBytes>>> {
+        let files = apart(py, || self.0.files())?;
+        Ok(files.into_iter().map(|(path, bytes)| (path, PyBytes::new(py, &bytes).unbind())).collect())
     }
 
     /// `case`, `model` or `deck`.
@@ -154,12 +168,6 @@ impl Analysis {
         &self.analysis.title
     }
 
-    /// Name of the file without folder and extension.
-    #[getter]
-    fn stem(&self) -> String {
-        self.analysis.stem()
-    }
-
     /// What would be solved: text, rows of kind and text.
     #[getter]
     fn overview(&self) -> (String, Vec<(&'static str, String)>) {
@@ -205,17 +213,6 @@ impl Analysis {
         self.analysis.requested.iter().map(|at| at.0).collect()
     }
 
-    /// Whether another analysis is one of the same problem, at other positions on its load path.
-    fn has_problem_of(&self, other: &Self) -> bool {
-        self.analysis.problem == other.analysis.problem
-    }
-
-    /// The resolved case or model file.
-    #[getter]
-    fn resolved(&self, py: Python<'_>) -> PyResult<String> {
-        self.analysis.resolved().map_err(|error| wrong(py, error.to_string()))
-    }
-
     /// Positions of the nodes at rest, mm.
     #[getter]
     fn nodes(&self) -> Array {
@@ -248,6 +245,12 @@ impl Analysis {
         let faces = |set: &Vec<Facet>| set.iter().map(|facet| (facet.element, facet.face)).collect();
         self.analysis.problem.mesh.facet_sets.iter().map(|(name, set)| (name.clone(), faces(set))).collect()
     }
+}
+
+/// Bytes that the machine, and the limits of this process, leave to it; nothing where nobody says.
+#[pyfunction]
+pub fn available_memory() -> Option<f64> {
+    pneuflex::memory::available()
 }
 
 /// The text of a case file with so many chambers.
@@ -306,11 +309,12 @@ fn facets(mesh: &Mesh, name: &str, (bytes, columns): Faces) -> Result<Vec<Facet>
             by_corners.insert(key(&nodes[..corners]), facet);
         }
         let corners = by_corners.keys().map(Vec::len).max().unwrap_or_default();
-        let facet = |row: &[u32]| {
+        let facet = |(number, row): (usize, &[u32])| {
             let found = row.get(..corners).and_then(|corners| by_corners.get(&key(corners)));
-            found.copied().ok_or_else(|| missing(format!("{row:?} are not the nodes of a face of the surface")))
+            // Nodes may have other numbers than where they come from.
+            found.copied().ok_or_else(|| missing(format!("row {number} has not the nodes of a face of the surface")))
         };
-        rows.map(facet).collect()
+        rows.enumerate().map(facet).collect()
     };
     Ok(sorted(found?))
 }

@@ -40,6 +40,23 @@ def test_points_of_a_law_give_its_constants_back() -> None:
     assert fit.law == "neo-hooke" and fit.material["law"] == "neo-hooke"
 
 
+def test_weights_are_by_kinds_of_test_under_any_of_their_names() -> None:
+    stretch = np.linspace(1.05, 2.5, 30)
+    curves = [("uniaxial", stretch, 0.2 * (stretch - stretch**-2)), ("pure shear", stretch, 0.3 * (stretch - stretch**-3))]
+    of = lambda **more: pneuflex.fit(*curves, law="neo-hooke", to_stretch=2.0, **more).constants["c10"]  # noqa: E731
+    assert of(weights={"planar": 5.0}) == of(weights={"pure shear": 5.0}) > of() > of(weights={"uniaxial": 5})
+    for weights, match in [
+        ({"plannar": 5.0}, "no kind of test: it must be uniaxial, equibiaxial or planar"),
+        ({"equibiaxial": 5.0}, "no curve is equibiaxial; there are planar, uniaxial"),
+        ({"planar": 1.0, "pure shear": 2.0}, "there are two"),
+        ({"planar": "x"}, "greater than 0"),
+        ({"planar": 0}, "greater than 0"),
+        (5, "by kind of test"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            of(weights=weights)
+
+
 def test_ogdens_exponents_are_fitted() -> None:
     fit = pneuflex.fit(CURVE, law="ogden")
     assert fit.law == "ogden" and fit.largest_error < 0.1
@@ -55,6 +72,10 @@ def test_bad_fits_are_refused() -> None:
         ((CURVE,), {"residuals": "x"}, "absolute or relative"),
         ((CURVE,), {"cycles": "x"}, "last, first or all"),
         ((CURVE,), {"area": 12.0}, "both area and length"),
+        ((CURVE,), {"area": 12.0, "length": "x"}, "length = 'x'"),
+        ((CURVE,), {"bulk_ratio": -1}, "bulk_ratio = -1 must be a number greater than 0"),
+        ((3,), {}, "curve 0: a file or"),
+        ((("uniaxial", good),), {}, "curve 0: .kind of test, stretches, stresses. is wanted"),
         ((("shear", good, good),), {}, "uniaxial, equibiaxial or planar"),
         ((("uniaxial", good, good[1:]),), {}, "shapes"),
         ((("uniaxial", good, -good),), {}, "cannot be used|stable"),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import FIXTURES
+from conftest import FIXTURES, write_brick
 
 from pneuflex import Case, InputError, Model
 
@@ -68,7 +68,7 @@ def test_bad_arrays_are_refused() -> None:
     bad("whole numbers", node_sets={"clamp": [0.5]})
     bad("cell 1 has no face 6", face_sets={"bottom": [[1, 6]]})
     bad("cell 4 has no face 0", face_sets={"bottom": [[4, 0]]})
-    bad("not the nodes of a face", face_sets={"bottom": [[0, 1, 2, 7]]})
+    bad("row 0 has not the nodes of a face", face_sets={"bottom": [[0, 1, 2, 7]]})
     bad("must have the shape", face_sets={"bottom": [1, 2]})
     bad("set .* clamp|clamp", supports=[{"nodes": "clmap", "axes": "xyz"}])
     bad("did you mean `axes`", supports=[{"nodes": "clamp", "axis": "xyz"}])
@@ -76,6 +76,12 @@ def test_bad_arrays_are_refused() -> None:
     bad("members by name", node_sets=[0, 1])
     bad("a list of tables is wanted", supports={"nodes": "clamp", "axes": "xyz"})
     bad("must be one of hex8-sri, hex8-q1p0", element="hex9")
+    bad('"tet10" has 10 nodes, but cells have 8', element="tet10")
+    bad("element = 5 must be a text", element=5)
+    bad("supports: a list of tables", supports=3)
+    bad("is no array", node_sets={"clamp": [[0], [1, 2]]})
+    for scale in ("m", 0, -1, np.nan, None):
+        bad("scale = .* must be a number greater than 0", scale=scale)
     for nodes, cells, match in [
         (NODES[:, :2], CELLS, r"shape \(n, 3\)"),
         (NODES, CELLS[:, :4], "nodes in the middle of the edges"),
@@ -87,6 +93,9 @@ def test_bad_arrays_are_refused() -> None:
     ]:
         with pytest.raises(InputError, match=match):
             Model.from_arrays(nodes, cells)
+    many = np.repeat(CELLS, 5, axis=0)
+    with pytest.raises(InputError, match='"tet10" has 10 nodes, but cells have 8'):
+        Model.from_arrays(NODES, many, element="tet10")
     # A cell that is inside out, and one without volume.
     for cells in (CELLS[:, [4, 5, 6, 7, 0, 1, 2, 3]], CELLS[:, [0, 0, 0, 0, 1, 1, 1, 1]]):
         with pytest.raises((InputError, RuntimeError)):
@@ -181,6 +190,70 @@ def test_meshes_are_those_of_vtk(element: str, kind: int) -> None:
     assert set(mesh.celltypes) == {kind} and mesh.n_points == check.nodes
     sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
     assert (sizes > 0).all() and np.isclose(sizes.sum(), check.volume_mm3, rtol=1e-6)
+
+
+def test_a_body_whose_files_have_changed_is_not_gone_on_with(tmp_path: Any) -> None:
+    model = Model.load(write_brick(tmp_path, 2))
+    result = model.solve(times=[0.5, 1.0], threads=1)
+    write_brick(tmp_path, 3)
+    with pytest.raises(InputError, match="the files of the body are other ones"):
+        result.resume(threads=1)
+
+
+def test_sets_by_number_are_those_of_the_mesh() -> None:
+    """Also where nodes of no cell are left out, and cells that are not solid."""
+    meshio, pyvista = pytest.importorskip("meshio"), pytest.importorskip("pyvista")
+    points = np.vstack([[[9.0, 9.0, 9.0]], NODES[:7], [[0.0, 0.0, 0.0]], NODES[7:]])
+    cells = CELLS + 1 + (CELLS >= 7)
+    quads = cells[:, [0, 1, 2, 3]]
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: quads, pyvista.CellType.HEXAHEDRON: cells}, points)
+    first = int(np.flatnonzero(grid.celltypes == pyvista.CellType.HEXAHEDRON)[0])
+    wanted = plate(cell_sets={"soft": [2, 3]}).check()
+    rest: dict[str, Any] = {
+        "supports": [{"nodes": "clamp", "axes": "xyz"}],
+        "pressures": [{"faces": "bottom", "pressure_kpa": 0.5}],
+        "material": {"law": "neo-hooke", "c10": 0.1},
+        "times": [1.0],
+    }
+    clamp = np.flatnonzero(points[:, 0] == 0)
+    for mesh, begin in ((meshio.Mesh(points, [("quad", quads), ("hexahedron", cells)]), 0), (grid, first)):
+        by_cell = wanted.face_sets["bottom"] + [begin, 0]
+        for nodes in (clamp, points[:, 0] == 0):
+            for faces in (quads, points[:, 2] == 0, by_cell):
+                sets = {"node_sets": {"clamp": nodes}, "face_sets": {"bottom": faces}, "cell_sets": {"soft": [begin + 2, begin + 3]}}
+                found = Model.from_mesh(mesh, **sets, **rest).check()
+                assert np.array_equal(found.points, NODES)
+                for kind in ("node_sets", "face_sets", "cell_sets"):
+                    for name, members in getattr(wanted, kind).items():
+                        assert np.array_equal(getattr(found, kind)[name], members), (kind, name)
+        for match, sets in [
+            ("node 8 belongs to no solid cell", {"face_sets": {"bottom": [[8, 1, 2, 3]]}}),
+            ("numbers run from 0 to 21", {"node_sets": {"clamp": [22]}}),
+            ("but there are 22 nodes", {"node_sets": {"clamp": np.ones(20, bool)}}),
+            ("is no solid cell", {"face_sets": {"bottom": [[99, 0]]}}),
+        ]:
+            with pytest.raises(InputError, match=match):
+                Model.from_mesh(mesh, **sets, **rest)
+
+
+def test_a_stress_is_drawn_by_component(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    shown: list[Any] = []
+    monkeypatch.setattr(pyvista.UnstructuredGrid, "plot", lambda grid, **given: shown.append(grid[given["scalars"]]))
+    for match, given in [
+        ("must be one of xx, yy, zz, xy, yz, xz; field = von_mises", {"field": "cauchy_stress"}),
+        ("must be one of xx", {"field": "cauchy_stress", "component": "x"}),
+        ("must be one of x, y, z", {"field": "displacement", "component": "xx"}),
+        ("a single number", {"component": "xx"}),
+    ]:
+        with pytest.raises(InputError, match=match):
+            solved.plot(**given)
+    solved.plot(field="cauchy_stress", component="yz")
+    solved[-1].plot("displacement", "z")
+    solved.plot()
+    last = solved[-1]
+    for found, wanted in zip(shown, (last.cauchy_stress[:, 4], last.displacement[:, 2], last.von_mises), strict=True):
+        assert np.array_equal(found, wanted)
 
 
 def test_states_are_meshes_of_pyvista() -> None:

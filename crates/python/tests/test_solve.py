@@ -267,6 +267,85 @@ def test_runs_go_on_from_memory_and_from_folders(solved: Result, tmp_path: Path)
         small_case().solve(out=tmp_path / "foreign")
 
 
+def test_a_run_in_memory_goes_on_as_one_in_a_folder(tmp_path: Path) -> None:
+    def ended(pressures: list[float], **keys: object) -> list[Result]:
+        found = []
+        for out in (None, tmp_path / "out"):
+            with pytest.raises(NotConverged) as early:
+                small_case(pressures=pressures, solver={"min_step_kpa": 20}).solve(threads=1, out=out)
+            found.append(early.value.result)
+        return found
+
+    memory, folder = ended([1, 900])
+    reached = memory.on_the_way[-1].pressure_kpa
+    assert reached > 10 and folder.on_the_way[-1].pressure_kpa == reached
+    words = []
+    for result in (memory, folder):
+        with pytest.raises(InputError, match="leaves out what was reached; it may only change beyond") as refused:
+            result.resume([reached / 2], threads=1)
+        words.append(refused.value.problems[0].message)
+    assert words[1].endswith(words[0])
+    further = [result.resume([reached + 0.5, reached + 1], threads=1) for result in (memory, folder)]
+    straight = small_case(pressures=[1, reached + 0.5, reached + 1]).solve(threads=1)
+    for other in further:
+        assert other.status == "converged" and other.pressure_kpa.tolist() == straight.pressure_kpa.tolist()
+        assert np.allclose(other.tip, straight.tip, rtol=1e-6)
+    assert further[0].warnings == further[1].warnings and further[0].iterations == further[1].iterations
+    # Whatever may change between the two, and the number of states that are told of once more.
+    assert further[0].resume(reached + 2, threads=1).pressure_kpa[-1] == reached + 2
+
+
+def test_warnings_are_those_of_the_whole_run() -> None:
+    case = small_case(pressures=[1, 2], material={"law": "neo-hooke", "c10": 0.1, "fitted_to": 1.001})
+    straight = case.copy().solve([1, 2, 3], threads=1)
+    resumed = case.solve(threads=1).resume([3], threads=1)
+    assert resumed.warnings == straight.warnings and resumed.iterations == straight.iterations
+
+
+def test_a_folder_with_another_run_is_not_taken_for_the_one_that_was_opened(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    solved = small_case(pressures=[1, 2]).solve(threads=1, out=out)
+    first, second = Result.open(out), Result.open(out)
+    whole = second.resume([3], threads=1)
+    # It is the same run that has gone on.
+    assert np.array_equal(first[1].displacement, whole[1].displacement) and first._repr_html_().startswith("<iframe")
+    # Nothing of it has been read yet.
+    late = Result.open(out)
+    small_case(pressures=[1, 2], gap=1.5).solve(threads=1, out=out)
+    assert np.array_equal(first[1].displacement, whole[1].displacement)
+    for read in (
+        lambda: first[0].displacement,
+        lambda: late[0].points,
+        lambda: late[-1].von_mises,
+        lambda: late.resume([4], threads=1),
+        lambda: solved.resume([4], threads=1),
+    ):
+        with pytest.raises(InputError, match="another run has been recorded there since"):
+            read()
+    for result in (late, solved, second):
+        assert result._repr_html_().startswith("<pre>")
+    assert not np.allclose(Result.open(out)[1].displacement, first[1].displacement)
+
+
+def test_slips_are_named_with_their_argument() -> None:
+    case, result = small_case(pressures=[1]), small_case(pressures=[1]).solve(threads=1)
+    for match, call in [
+        ("threads = -1 must be a whole number from 1 on", lambda: case.solve(threads=-1)),
+        ("threads = 1.5 must be a whole number", lambda: result.resume([2], threads=1.5)),  # type: ignore[arg-type]
+        ("pressures must be a list of numbers", lambda: result.resume("x")),
+        ("pressures is no array", lambda: case.solve([1, [2]])),  # type: ignore[list-item]
+        ("on_state = 3 cannot be called", lambda: case.solve(on_state=3)),  # type: ignore[arg-type]
+        ("obstacles: a list of tables", lambda: small_case(obstacles={"name": "plate"})),
+        ("values by keys are wanted", lambda: case.set(3)),  # type: ignore[arg-type]
+        ("chambers = 10000000 must be a whole number from 1 to 1000000", lambda: Case.actuator(10**7)),
+        ("either a pressure or a time", lambda: result.at()),
+    ]:
+        with pytest.raises(InputError, match=match):
+            call()
+    # A single pressure is a list of one, as it is for `solve`.
+    assert result.resume(3, threads=1).pressure_kpa.tolist() == [1, 3]
+
+
 def test_results_without_fields_say_so() -> None:
     result = small_case(pressures=[1]).solve(threads=1, fields=False)
     assert result.end_face_angle_deg.shape == (1,)
@@ -292,6 +371,10 @@ def test_cases_can_be_sent_to_other_processes(small: Case, tmp_path: Path) -> No
     path.write_text((FIXTURES / "two_chamber.toml").read_text())
     case = Case.load(path).set({"actuator.gap": 1.5})
     path.unlink()
+    assert pickle.loads(pickle.dumps(case)).values == case.values
+    # What its file leaves out was set.
+    path.write_text((FIXTURES / "two_chamber.toml").read_text().replace("gap = ", "# gap = "))
+    case = Case.load(path, {"actuator.gap": 1.5})
     assert pickle.loads(pickle.dumps(case)).values == case.values
     assert pickle.loads(pickle.dumps(small)).set({"actuator.gap": 1}).length == 17
     assert repr(small) == "Case('actuator', 2 chambers, 18 mm long, at 1, 2, 3 kPa)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import small_case
+from conftest import small_case, write_brick
 
 import pneuflex
 from pneuflex import Grid, InputError, LatinHypercube, Sobol, Sweep
@@ -218,6 +219,133 @@ def test_a_design_that_kills_its_workers_is_a_row(tmp_path: Path, monkeypatch: p
 class _Deadly:
     def __reduce__(self) -> tuple[Any, ...]:
         return os._exit, (9,)
+
+
+def test_only_what_ended_by_itself_is_finished(tmp_path: Path) -> None:
+    from pneuflex._worker import keep
+
+    case = small_case(pressures=[1], solver={"min_step_kpa": 20})
+    designs = [{"actuator.gap": 1.0}, {"actuator.gap": -1.0}, {"load.pressure_kpa": [1, 900]}, {"mesh.size": 0.01}]
+    found = pneuflex.sweep(case, designs, out=tmp_path, progress=False)
+    assert [row["status"] for row in found] == ["converged", "bad-input", "not-converged", "error"]
+    assert found[3]["reason"] == "machine" and "will not fit in memory" in found[3]["message"]
+    died = {**found[0], "status": "worker-died", "states": []}
+    keep(tmp_path, died)
+    assert len(Sweep.open(tmp_path).failures) == 4
+    seen: list[str] = []
+    again = pneuflex.sweep(case, designs, out=tmp_path, progress=False, on_row=lambda row: seen.append(row["identity"]))
+    assert sorted(seen) == sorted([found[0]["identity"], found[3]["identity"]])
+    assert [row["status"] for row in again] == [row["status"] for row in found]
+
+
+def test_what_a_worker_does_not_foresee_is_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pneuflex import Case
+
+    def broken(*_: Any, **__: Any) -> None:
+        raise LookupError("unforeseen")
+
+    monkeypatch.setattr(Case, "solve", broken)
+    with ThreadPoolExecutor(1) as pool:
+        found = pneuflex.sweep(small_case(), {"actuator.gap": [1.0]}, pool, out=tmp_path, progress=False)
+    assert [found[0][key] for key in ("status", "reason", "message")] == ["error", "LookupError", "unforeseen"]
+
+
+def test_another_case_in_the_same_place_is_another_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pneuflex._sweep, "LARGE", 0)
+    out, space = tmp_path / "out", {"actuator.gap": [1.0]}
+    with ThreadPoolExecutor(1) as pool:
+        for height in (13, 14):
+            case = small_case(pressures=[1], height=height)
+            found = pneuflex.sweep(case, space, pool, out=out, progress=False)
+            alone = case.copy().set({"actuator.gap": 1.0}).solve(threads=1)
+            assert found[0]["states"][0]["tip.z_mm"] == alone.tip[0, 2]
+            shutil.rmtree(out)
+
+
+def test_everything_that_a_design_is_read_from_is_part_of_it(tmp_path: Path) -> None:
+    path = write_brick(tmp_path / "model", 2)
+    write_brick(tmp_path / "model/other", 4)
+    model = pneuflex.Model.load(path)
+    space = {"model.file": ["brick.inp", "other/brick.inp"]}
+    seen: list[str] = []
+
+    def swept(out: str = "out") -> list[float]:
+        seen.clear()
+        options: dict[str, Any] = {"progress": False, "on_row": lambda row: seen.append(row["identity"])}
+        with ThreadPoolExecutor(1) as pool:
+            found = pneuflex.sweep(model, space, pool, out=tmp_path / out, **options)
+        assert not found.failures
+        return [row["states"][0]["strain_energy_mj"] for row in found]
+
+    first = swept()
+    assert len(seen) == 2 and first[0] > 1.8 * first[1]
+    assert swept() == first and not seen
+    # A file that a deck of one design includes.
+    write_brick(tmp_path / "model/other", 8)
+    second = swept()
+    assert len(seen) == 1 and second[0] == first[0] and first[1] > 1.8 * second[1]
+    # Of the one that all have in common.
+    write_brick(tmp_path / "model", 1)
+    with pytest.raises(InputError, match="its mesh, its deck or what that includes differs"):
+        swept()
+    assert swept("new")[0] > 1.8 * first[0]
+    # What was read once is what all designs are read from, here or on another machine.
+    shutil.move(tmp_path / "model", tmp_path / "moved")
+    model = pneuflex.Model.load(tmp_path / "moved/brick.toml")
+    assert swept("new")[1] == second[1] and not seen
+    base, _ = pneuflex._sweep._in_memory(model, [])
+    shutil.rmtree(tmp_path / "moved")
+    assert base.solve(threads=1)[0].strain_energy_mj == pytest.approx(second[0] * 2, rel=0.2)
+
+
+def test_memory_is_that_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert pneuflex._native.available_memory() is None or pneuflex._native.available_memory() > 1e7  # type: ignore[operator]
+    monkeypatch.setattr(pneuflex._native, "available_memory", lambda: 100.0)
+    assert pneuflex._sweep._share(4, 60.0, None, 1)[0] == 1
+
+
+FORKING = """
+import multiprocessing, sys, pneuflex
+from concurrent.futures import ProcessPoolExecutor
+case = pneuflex.Case.actuator(2, flange=0, pressures=[1], mesh={"size": 3, "element": "hex8-q1p0"})
+with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("fork")) as pool:
+    pneuflex.sweep(case, {"actuator.gap": [1.0, 1.5]}, pool, out=sys.argv[1], progress=False,
+                   on_row=lambda row: (print("row", flush=True), sys.stdin.read()))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+def test_a_worker_that_was_forked_does_not_keep_the_folder(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(pneuflex.__file__).parents[1])}
+    streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    driver = subprocess.Popen([sys.executable, "-W", "ignore", "-c", FORKING, str(tmp_path)], env=environment, **streams)
+    assert driver.stdout is not None
+    assert driver.stdout.readline() == b"row\n"
+    workers = children(driver.pid)
+    driver.kill()
+    driver.wait()
+    try:
+        assert workers and all(Path(f"/proc/{pid}").exists() for pid in workers)
+        case, space = small_case(pressures=[1]), {"actuator.gap": [1.0, 1.5]}
+        assert not pneuflex.sweep(case, space, out=tmp_path, progress=False, threads=1).unfinished
+    finally:
+        for pid in workers:
+            os.kill(pid, signal.SIGKILL)
+
+
+def test_slips_are_named_with_their_argument(tmp_path: Path) -> None:
+    case, space = small_case(), {"actuator.gap": [1.0]}
+    for match, call in [
+        ("threads = -1 must be a whole number from 1 on", lambda: pneuflex.sweep(case, space, out=tmp_path, threads=-1)),
+        ("workers = 'x'", lambda: pneuflex.sweep(case, space, out=tmp_path, workers="x")),  # type: ignore[arg-type]
+        ("study = 3 must be", lambda: pneuflex.sweep(3, space, out=tmp_path)),  # type: ignore[arg-type]
+        ("executor = 3 must be", lambda: pneuflex.sweep(case, space, 3, out=tmp_path)),  # type: ignore[arg-type]
+        ("actuator.gap = 1 must be a list", lambda: Grid({"actuator.gap": 1})),  # type: ignore[dict-item]
+        ("count = 2.5", lambda: Sobol({"actuator.gap": (1, 2)}, count=2.5)),  # type: ignore[arg-type]
+        ("values by keys", lambda: LatinHypercube(3, count=2)),  # type: ignore[arg-type]
+    ]:
+        with pytest.raises(InputError, match=match):
+            call()
 
 
 def test_two_sweeps_do_not_share_a_folder(tmp_path: Path) -> None:

@@ -23,6 +23,8 @@ class Problem:
         What to do about it, e.g. the nearest name there is.
     file, line
         Where it stands.
+    of_machine
+        Whether it is about this machine (its memory, its cores, a folder) and not about what is to be solved.
     """
 
     message: str
@@ -30,6 +32,7 @@ class Problem:
     help: str | None = None
     file: str | None = None
     line: int | None = None
+    of_machine: bool = False
 
 
 class InputError(ValueError):
@@ -52,7 +55,7 @@ class InputError(ValueError):
 
     @classmethod
     def _of(
-        cls, problems: list[tuple[str, str, str | None, str | None, str | None, int | None]]
+        cls, problems: list[tuple[str, str, str | None, str | None, str | None, int | None, bool]]
     ) -> InputError:
         text = "\n".join(problem[0] for problem in problems)
         return cls(text, tuple(Problem(*problem[1:]) for problem in problems))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
+from ._arrays import array_of, positive
 from ._errors import InputError
 
 BULK_RATIO = 1000.0
@@ -69,6 +69,8 @@ def materials(name: str | None = None) -> dict[str, Silicone]:
     name
         Only those whose name has this in it.
     """
+    if not isinstance(name, str | None):
+        raise InputError(f"name = {name!r} must be a text, or left out")
     wanted = _bare(name or "")
     return {entry.name: entry for entry in _library() if wanted in _bare(entry.name)}
 
@@ -145,6 +147,18 @@ class Fit:
     details: dict[str, Any] = field(repr=False)
 
 
+def _weights(weights: Mapping[str, float], kinds: set[str]) -> dict[str, float]:
+    """Weights by the kinds of test that there are."""
+    found: dict[str, float] = {}
+    for name, weight in weights.items():
+        kind = _native.test_kind(str(name))
+        if kind not in kinds or kind in found:
+            why = "there are two" if kind in found else f"no curve is {kind}; there are {', '.join(sorted(kinds))}"
+            raise InputError(f'weights["{name}"]: {why}')
+        found[kind] = positive(weight, f'weights["{name}"]')
+    return found
+
+
 def fit(
     *curves: str | os.PathLike[str] | tuple[str, ArrayLike, ArrayLike],
     law: str = "yeoh",
@@ -171,8 +185,8 @@ def fit(
     Parameters
     ----------
     curves
-        Files (CSV), or tuples of the kind of test (``"uniaxial"``, ``"equibiaxial"``, ``"planar"``), stretches, shape (n,), and nominal stresses
-        (force per area at rest), MPa, shape (n,).
+        Files (CSV), or tuples of the kind of test (``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"pure shear"``), stretches, shape
+        (n,), and nominal stresses (force per area at rest), MPa, shape (n,).
     law
         ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``, whose exponents are fitted, too.
     from_stretch, to_stretch
@@ -189,7 +203,7 @@ def fit(
     keep_offset
         Whether a stress at stretch 1 is kept in all others, from which it is taken otherwise.
     weights
-        By kind of test; each counts once otherwise, however many points it has.
+        By kind of test, e.g. ``{"planar": 2}``; each counts once otherwise, however many points it has.
     bulk_ratio
         Bulk modulus over initial shear modulus, which is no result of such tests.
     test, columns, unit, strain, stress, decimal
@@ -207,22 +221,31 @@ def fit(
         raise InputError("give at least one curve: a file, or (test, stretches, stresses)")
     if residuals not in ("absolute", "relative"):
         raise InputError(f'residuals = "{residuals}" must be absolute or relative')
+    bulk_ratio = positive(bulk_ratio, "bulk_ratio")
+    if not isinstance(law, str):
+        raise InputError(f"law = {law!r} must be yeoh, neo-hooke, mooney-rivlin or ogden")
+    for name, stretch in (("from_stretch", from_stretch), ("to_stretch", to_stretch)):
+        if stretch is not None and not isinstance(stretch, (int, float)):
+            raise InputError(f"{name} = {stretch!r} must be a stretch, the length over the length at rest")
     if to_stretch is not None and not from_stretch < to_stretch:
         raise InputError(f"from_stretch = {from_stretch} must be less than to_stretch = {to_stretch}")
-    for kind, weight in (weights or {}).items():
-        if not 0 < weight < math.inf:
-            raise InputError(f'weights["{kind}"] = {weight} must be greater than 0')
+    if weights is not None and not isinstance(weights, Mapping):
+        raise InputError(f"weights must be numbers by kind of test, e.g. {{'planar': 2}}, not {weights!r:.100}")
     if (area is None) != (length is None):
         raise InputError("give both area and length of the specimen, or neither")
-    specimen = (float(area), float(length)) if area is not None and length is not None else None
+    specimen = (positive(area, "area", " mm2"), positive(length, "length", " mm")) if area is not None and length is not None else None
     if specimen is not None and not all(1e-6 <= size <= 1e9 for size in specimen):
         raise InputError(f"area = {area} mm2 and length = {length} mm must be from 1e-6 to 1e9")
     read: list[tuple[str, str, list[float], list[float]]] = []
     notes: list[str] = []
     for number, curve in enumerate(curves):
         if isinstance(curve, tuple):
-            kind, stretches, stresses = curve
-            x, y = np.asarray(stretches, dtype=float), np.asarray(stresses, dtype=float)
+            if len(curve) != 3 or not isinstance(curve[0], str):
+                raise InputError(f"curve {number}: (kind of test, stretches, stresses) is wanted, not {curve!r:.100}")
+            kind = _native.test_kind(curve[0])
+            x, y = (array_of(values, f"curve {number}") for values in curve[1:])
+            if x.dtype.kind not in "fiu" or y.dtype.kind not in "fiu":
+                raise InputError(f"curve {number}: stretches and stresses are numbers, not {x.dtype} and {y.dtype}")
             if x.shape != y.shape or x.ndim != 1:
                 raise InputError(f"curve {number}: stretches and stresses have the shapes {x.shape} and {y.shape}")
             if not (np.isfinite(x).all() and np.isfinite(y).all()):
@@ -230,12 +253,15 @@ def fit(
             if (x <= 0).any():
                 raise InputError(f"curve {number}: a stretch is the length over the length at rest, greater than 0")
             read.append((f"curve {number} {kind}", kind, x.tolist(), y.tolist()))
+        elif not isinstance(curve, (str, os.PathLike)):
+            raise InputError(f"curve {number}: a file or (kind of test, stretches, stresses) is wanted, not {curve!r:.100}")
         else:
             found, understood = _native.read_curves(curve, test, columns, unit, strain, stress, decimal, specimen)
             notes += understood
             read += [(f"{os.fspath(curve)} {kind}", kind, x_, y_) for kind, x_, y_ in found]
-    weighted = [(*row, float((weights or {}).get(row[1], 1.0))) for row in read]
-    bound = None if isinstance(stable, bool) else float(stable)
+    by_kind = _weights(weights or {}, {row[1] for row in read})
+    weighted = [(*row, by_kind.get(row[1], 1.0)) for row in read]
+    bound = None if isinstance(stable, bool) else positive(stable, "stable")
     range = (from_stretch, to_stretch)
     is_relative = residuals == "relative"
     text = _native.fit(

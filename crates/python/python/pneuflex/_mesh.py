@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ._arrays import Integers
+from ._arrays import Integers, members
+from ._arrays import faces as faces_of
 from ._errors import InputError
 
 VTK_CELLS = {8: "hex8-q1p0", 20: "hex20", 27: "hex27", 10: "tet10"}
@@ -23,6 +26,9 @@ VTK_SOLID = {12: "hexahedron", 25: "hexahedron20", 29: "hexahedron27", 24: "tetr
 VTK_OTHER_SOLID = {10: "tetra", 13: "wedge", 14: "pyramid", 26: "wedge15", 27: "pyramid13", 32: "wedge18", 11: "voxel"}
 
 
+Sets = Mapping[str, ArrayLike] | None
+
+
 @dataclass
 class Parts:
     """What a mesh consists of."""
@@ -32,33 +38,52 @@ class Parts:
     node_sets: dict[str, Integers] = field(default_factory=dict)
     face_sets: dict[str, Integers] = field(default_factory=dict)
     cell_sets: dict[str, Integers] = field(default_factory=dict)
+    solid: Integers | None = None
+    """Which cells of the mesh these are, if it numbers others, too."""
+
+    def add(self, nodes: Sets, faces: Sets, cells: Sets) -> None:
+        """Adds sets in the numbers of the mesh: of all its points, and of all its cells if it numbers these."""
+        solid = np.ones(len(self.cells), dtype=bool) if self.solid is None else self.solid
+        number = np.cumsum(solid) - 1
+        self.node_sets |= members(nodes, len(self.nodes), "node")
+        for name, chosen in members(cells, len(solid), "cell").items():
+            self.cell_sets[name] = number[chosen[solid[chosen]]]
+        for name, rows in faces_of(faces, len(self.nodes)).items():
+            label, is_used = f'face_sets["{name}"]', np.isin(rows, self.cells)
+            if rows.ndim == 2 and rows.shape[1] == 2:
+                if bad := [int(cell) for cell in rows[:, 0] if cell >= len(solid) or not solid[cell]]:
+                    raise InputError(f"{label}: cell {bad[0]} is no solid cell of the mesh")
+                rows = np.column_stack([number[rows[:, 0]], rows[:, 1]])
+            elif rows.ndim == 2 and not is_used.all():
+                raise InputError(f"{label}: node {rows[~is_used][0]} belongs to no solid cell")
+            self.face_sets[name] = rows
+
+    def used(self) -> Parts:
+        """Without nodes of no cell, such as the points by which Gmsh describes a geometry: they have no stiffness."""
+        used = np.unique(self.cells)
+        number = np.full(len(self.nodes), -1)
+        number[used] = np.arange(len(used))
+        faces = {}
+        for name, rows in self.face_sets.items():
+            if rows.ndim == 1:
+                faces[name] = np.isin(used, rows)
+            elif rows.shape[1] == 2:
+                faces[name] = rows
+            else:
+                faces[name] = number[rows[np.isin(rows, used).all(axis=1)]]
+        nodes = {name: number[chosen[np.isin(chosen, used)]] for name, chosen in self.node_sets.items()}
+        return Parts(np.asarray(self.nodes)[used], number[self.cells], nodes, faces, self.cell_sets)
 
 
 def parts_of(mesh: Any) -> Parts:
     """What a `meshio.Mesh` or a `pyvista.UnstructuredGrid` consists of; neither package is imported."""
     if hasattr(mesh, "cells_dict") and hasattr(mesh, "celltypes"):
-        parts = _of_pyvista(mesh)
-    elif hasattr(mesh, "cells") and hasattr(mesh, "point_sets"):
-        parts = _of_meshio(mesh)
-    elif hasattr(mesh, "cast_to_unstructured_grid"):
-        parts = _of_pyvista(mesh.cast_to_unstructured_grid())
-    else:
-        raise InputError(f"a {type(mesh).__name__} is neither a meshio.Mesh nor a pyvista.UnstructuredGrid")
-    used = np.unique(parts.cells)
-    if len(used) == len(parts.nodes):
-        return parts
-    # Nodes of no cell, such as the points by which Gmsh describes a geometry, have no stiffness.
-    number = np.full(len(parts.nodes), -1)
-    number[used] = np.arange(len(used))
-    renumbered = {name: number[nodes] for name, nodes in parts.node_sets.items()}
-    faces = {name: number[nodes] for name, nodes in parts.face_sets.items()}
-    return Parts(
-        np.asarray(parts.nodes)[used],
-        number[parts.cells],
-        {name: nodes[nodes >= 0] for name, nodes in renumbered.items()},
-        {name: nodes[(nodes >= 0).all(axis=1)] for name, nodes in faces.items()},
-        parts.cell_sets,
-    )
+        return _of_pyvista(mesh)
+    if hasattr(mesh, "cells") and hasattr(mesh, "point_sets"):
+        return _of_meshio(mesh)
+    if hasattr(mesh, "cast_to_unstructured_grid"):
+        return _of_pyvista(mesh.cast_to_unstructured_grid())
+    raise InputError(f"a {type(mesh).__name__} is neither a meshio.Mesh nor a pyvista.UnstructuredGrid")
 
 
 def _of_pyvista(mesh: Any) -> Parts:
@@ -68,8 +93,8 @@ def _of_pyvista(mesh: Any) -> Parts:
     solid = [kind for kind in kinds if kind in VTK_SOLID]
     if len(solid) != 1:
         raise InputError(_several([VTK_SOLID[kind] for kind in solid]))
-    chosen = np.flatnonzero(mesh.celltypes == solid[0])
-    parts = Parts(np.asarray(mesh.points, dtype=float), np.asarray(mesh.cells_dict[solid[0]]))
+    chosen = mesh.celltypes == solid[0]
+    parts = Parts(np.asarray(mesh.points, dtype=float), np.asarray(mesh.cells_dict[solid[0]]), solid=chosen)
     for name in mesh.point_data:
         values = np.asarray(mesh.point_data[name])
         if _is_truth(values):

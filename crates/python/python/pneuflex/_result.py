@@ -11,21 +11,27 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Floats, Integers, floats, integers
+from ._arrays import Floats, Integers, floats, integers, listed, whole
 from ._errors import InputError, Interrupted, NotConverged, missing
 from ._progress import Progress
-from ._toml import to_toml
+from ._toml import flat
+
+TRIES = 10
+"""How often a folder is read whose run is going on."""
 
 FORMAT = 2
 """Number of the form of `summary.json` in which numbers are those of the whole body."""
 
-KNOWN = ("converged", "past-limit", "not-converged", "interrupted", "setup", "running")
+COMPONENTS = {"displacement": ("x", "y", "z"), "cauchy_stress": ("xx", "yy", "zz", "xy", "yz", "xz")}
+"""Names of the columns of fields that have several."""
 
 
 class _Body:
@@ -174,13 +180,18 @@ class State:
                 return floats(self._fields.displacement)
             found = self._fields.field(name, columns)
         else:
-            self._file = self._file or self._fields()
-            if self._file is None:
+            file = self._field_file()
+            if file is None:
                 raise AttributeError("no fields were recorded (output.fields = false)")
-            found = self._file.field(name, columns)
+            found = file.field(name, columns)
         if found is None:
             raise AttributeError(f"there is no field {name}")
         return floats(found)
+
+    def _field_file(self) -> _native.FieldFile | None:
+        if not isinstance(self._fields, _native.State):
+            self._file = self._file or self._fields()
+        return self._file
 
     @property
     def points(self) -> Floats:
@@ -229,11 +240,29 @@ class State:
         grid.cell_data["pressure"] = self.hydrostatic_pressure
         return grid
 
-    def plot(self, field: str = "von_mises", **arguments: Any) -> Any:
-        """Shows the deformed body coloured by a field with PyVista; further arguments are those of `pyvista.plot`."""
+    def plot(self, field: str = "von_mises", component: str | None = None, **arguments: Any) -> Any:
+        """Shows the deformed body coloured by a field with PyVista; further arguments are those of `pyvista.plot`.
+
+        Parameters
+        ----------
+        field
+            ``von_mises``, ``displacement``, ``cauchy_stress`` or ``pressure`` (the hydrostatic one).
+        component
+            Of the displacement ``x``, ``y`` or ``z``, its length unless told otherwise; of the Cauchy stress ``xx``, ``yy``, ``zz``, ``xy``,
+            ``yz`` or ``xz``, one of which must be told.
+        """
         if field not in ("von_mises", "displacement", "cauchy_stress", "pressure"):
             raise InputError(f'field = "{field}" must be von_mises, displacement, cauchy_stress or pressure')
-        return self.mesh(deformed=True).plot(**{"scalars": field, **arguments})
+        names = COMPONENTS.get(field, ())
+        if component not in names and (component is not None or field == "cauchy_stress"):
+            words = f"must be one of {', '.join(names)}" if names else "must be left out: the field is a single number"
+            also = "; field = von_mises shows the equivalent stress" if field == "cauchy_stress" else ""
+            raise InputError(f"component = {component!r} of {field} {words}{also}")
+        mesh = self.mesh(deformed=True)
+        if component is not None:
+            field, column = f"{field} {component}", mesh.point_data[field][:, names.index(component)]
+            mesh.point_data[field] = column
+        return mesh.plot(**{"scalars": field, **arguments})
 
     def numbers(self) -> dict[str, float]:
         """The state as a flat table of numbers, named as the columns of :meth:`Result.to_dataframe`."""
@@ -311,7 +340,6 @@ class Result(Sequence[State]):
         self.folder: Path | None = None
         self._study: _native.Study | None = None
         self._outcome: _native.Outcome | None = None
-        self._earlier: list[State] = []
         self._page: str | None = None
 
     # --- where results come from
@@ -328,49 +356,40 @@ class Result(Sequence[State]):
             If there is no such folder.
         """
         folder = Path(folder)
-        path = folder / "summary.json"
-        if not path.is_file():
-            if not folder.exists():
-                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(folder))
-            what = "holds no summary.json" if folder.is_dir() else "is no folder"
-            raise InputError(f"{folder}: not a result folder: it {what}")
-        try:
-            summary = json.loads(path.read_text(encoding="utf-8"))
-            form = summary.get("format", 1)
-        except (ValueError, AttributeError) as error:
-            raise InputError(f"{path}: damaged: {error}") from error
-        if form != FORMAT:
-            raise InputError(f"{path}: it has the format {form} instead of {FORMAT}: another version of pneuflex wrote it")
         result = cls()
         result.folder = folder
-        try:
-            result._study = _native.Study.load(folder / "case.toml", [])
-        except InputError:
-            # The numbers are there all the same.
-            pass
+        for _ in range(TRIES):
+            summary = _summary_of(folder)
+            try:
+                result._study = _native.Study.load(folder / "case.toml", [])
+            except InputError:
+                # The numbers are there all the same.
+                result._study = None
+            if _summary_of(folder) == summary:
+                break
+        else:
+            raise InputError(f"{folder}: a run is writing to it at this moment; try again")
         length = result._study.length if result._study else None
         at = summary.get("probes", {}).get("tip", {}).get("at")
-        first: list[_Body] = []
         lock = threading.Lock()
 
+        @cache
         def body() -> _Body:
             with lock:
-                if not first:
-                    files = sorted((folder / "fields").glob("step_*.vtu"))
-                    if not files:
-                        raise AttributeError("no fields were recorded (output.fields = false)")
-                    first.append(_Body.of_file(_native.read_field_file(files[0])))
-                return first[0]
+                files = (state._field_file() for state in (*result.states, *result.on_the_way))
+                file = next((file for file in files if file is not None), None)
+            if file is None:
+                raise AttributeError("no fields were recorded (output.fields = false)")
+            return _Body.of_file(file)
 
-        def fields(name: str) -> Callable[[], _native.FieldFile | None]:
-            path = folder / "fields" / f"step_{name}.vtu"
-            return lambda: _native.read_field_file(path) if path.is_file() else None
+        def states(kind: str, name: str) -> list[State]:
+            found = []
+            for i, step in enumerate(_reached(summary, kind)):
+                path = folder / "fields" / f"step_{name}{i + 1:02}.vtu"
+                found.append(State(step, length, body, partial(_field_file, path, kind, i, step), at))
+            return found
 
-        reached = [step for step in summary["steps"] if step.get("converged")]
-        for i, step in enumerate(reached):
-            result.states.append(State(step, length, body, fields(f"{i + 1:02}"), at))
-        for i, step in enumerate(summary.get("on_the_way", [])):
-            result.on_the_way.append(State(step, length, body, fields(f"on_the_way_{i + 1:02}"), at))
+        result.states, result.on_the_way = states("steps", ""), states("on_the_way", "on_the_way_")
         result.title, result.status = summary.get("title", ""), summary["status"]
         result.failure, result.reason = summary.get("failure") or "", summary.get("failure_reason")
         result.warnings = summary.get("warnings") or []
@@ -384,7 +403,6 @@ class Result(Sequence[State]):
         analysis: _native.Analysis,
         outcome: _native.Outcome,
         folder: Path | None,
-        earlier: Sequence[State],
     ) -> Result:
         result = cls()
         result.title, result.status, result.folder = analysis.title, outcome.status, folder
@@ -392,10 +410,10 @@ class Result(Sequence[State]):
         result.reason = json.loads(outcome.reason) if outcome.reason else None
         result.warnings = json.loads(outcome.warnings)
         result.iterations, result.timing = outcome.iterations, json.loads(outcome.timing)
-        result._study, result._outcome, result._earlier = study, outcome, list(earlier)
+        result._study, result._outcome = study, outcome
         body = _Body.of_analysis(analysis)
         make = _maker(study, lambda: body)
-        result.states = [*earlier, *map(make, outcome.states)]
+        result.states = [make(state) for state in outcome.states]
         result.on_the_way = [make(outcome.last)] if outcome.last else []
         return result
 
@@ -416,6 +434,8 @@ class Result(Sequence[State]):
 
     def at(self, pressure_kpa: float | None = None, *, time: float | None = None) -> State:
         """The state at a pressure, kPa, or at a model's time, that was asked for."""
+        if (pressure_kpa is None) == (time is None):
+            raise InputError("give either a pressure or a time")
         for state in self.states:
             when, wanted = (state.pressure_kpa, pressure_kpa) if time is None else (state.time, time)
             if when is not None and wanted is not None and abs(when - wanted) <= 1e-9 * max(1.0, abs(wanted)):
@@ -521,51 +541,42 @@ class Result(Sequence[State]):
 
     def resume(
         self,
-        pressures: Sequence[float] | None = None,
+        pressures: ArrayLike | None = None,
         *,
-        times: Sequence[float] | None = None,
+        times: ArrayLike | None = None,
         threads: int | None = None,
         progress: bool = False,
         on_state: Callable[[State], object] | None = None,
     ) -> Result:
-        """Goes on from the last load step, through what is left of the pressures (kPa) or of a model's times, or through others, as if the
-        run had never ended. What is recorded goes on in its folder.
+        """Goes on from the last load step, through what is left of the pressures (kPa) or of a model's times, or through others beyond that
+        step, as if the run had never ended. What is recorded goes on in its folder.
 
         Raises
         ------
         NotConverged, Interrupted
             As :meth:`Study.solve`.
         InputError
-            For positions before those that were reached; for later times of a model whose loads grow up to the last time.
+            For positions before the last load step; for later times of a model whose loads grow up to the last time; for a folder in which
+            another run has been recorded since.
         """
         if self._study is None:
             raise InputError(f"{self.folder}: case.toml is missing or cannot be read: there is nothing to go on with")
         reached = [state for state in self.states if state.summary.get("kind", "requested") == "requested"]
         done = [state._when for state in reached]
+        hearing = Hearing(threads, progress, on_state)
         study = self._study
-        values = pressures if pressures is not None else times
-        key = key_of_positions(study, pressures, times)
-        if key is not None and values is not None:
-            beyond = [float(x) for x in values if not done or x > done[-1]]
+        for key, values in (positions(study, pressures, times) or {}).items():
             if lost := [x for x in values if done and x <= done[-1] and x not in done]:
                 raise InputError(f"{key}: {lost} lie before {done[-1]:g}, which was reached already")
-            study = study.with_changes([(key, to_toml(done + beyond))])
-        hearing = Hearing(threads, progress, on_state)
-        analysis = study.build(False, threads)
+            study = study.with_changes(flat({key: done + [x for x in values if not done or not x <= done[-1]]}))
+        analysis = study.build(False, hearing.threads)
         if self.folder is not None:
+            self._check_folder()
             return follow(study, analysis, hearing, out=self.folder, resumes=True, fields=True)
-        if key is not None and done and not analysis.has_problem_of(self._study.build(False, threads)):
-            raise InputError(
-                "loads without times of their own grow up to the last one of load.times, which has changed, so that what was reached was "
-                "reached under other loads; give their values by time, [[time, value], ...], to go on beyond it"
-            )
-        left = analysis.requested[len(done) :]
-        if not left or self.status == "past-limit":
-            return self
-        start = self._outcome.checkpoint if self._outcome else None
+        start = self._outcome.start(analysis) if self._outcome else None
         if start is None:
-            return follow(study, analysis, hearing, out=None, resumes=False, fields=True)
-        return follow(study, analysis, hearing, out=None, resumes=False, fields=True, start=start, earlier=self.states)
+            return self
+        return follow(study, analysis, hearing, out=None, resumes=False, fields=True, start=start)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Records a result that was not recorded while it was solved, as the program does: `summary.json`, `case.toml`, fields for ParaView,
@@ -578,11 +589,9 @@ class Result(Sequence[State]):
     def _save(self, folder: Path) -> None:
         if self._outcome is None or self._study is None:
             raise InputError(f"the result is recorded already, in {self.folder}: copy that folder")
-        kept = [state._fields for state in self._earlier]
-        earlier = [state for state in kept if isinstance(state, _native.State)]
         if any(isinstance(s._fields, _native.State) and not s._fields.has_fields for s in self.states):
             raise InputError("no fields were kept: solve with fields=True")
-        self._outcome.record(self._study.build(True, 1), folder, earlier)
+        self._outcome.record(folder)
 
     # --- for others
 
@@ -651,19 +660,71 @@ class Result(Sequence[State]):
         source = html.escape(page, quote=True)
         return f'<iframe srcdoc="{source}" style="width: 100%; height: 640px; border: 0" title="pneuflex"></iframe>'
 
+    def _check_folder(self) -> None:
+        """Whether the folder holds this run still, which may have gone on."""
+        assert self.folder is not None
+        _check_states(self.folder, "steps", 0, [state.summary for state in self.states])
+
     def _make_page(self) -> str:
         if self.folder is not None:
-            return _native.report_page(self.folder)
+            page = _native.report_page(self.folder)
+            self._check_folder()
+            return page
         with tempfile.TemporaryDirectory(prefix="pneuflex-") as folder:
             self._save(Path(folder))
             return _native.report_page(folder)
+
+
+def _summary_of(folder: Path) -> dict[str, Any]:
+    """What `summary.json` of a folder says."""
+    path = folder / "summary.json"
+    try:
+        summary: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        form = summary.get("format", 1)
+    except OSError as error:
+        if not folder.exists():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(folder)) from error
+        what = "holds no summary.json" if folder.is_dir() else "is no folder"
+        raise InputError(f"{folder}: not a result folder: it {what}") from error
+    except (ValueError, AttributeError) as error:
+        raise InputError(f"{path}: damaged: {error}") from error
+    if form != FORMAT:
+        raise InputError(f"{path}: it has the format {form} instead of {FORMAT}: another version of pneuflex wrote it")
+    return summary
+
+
+def _reached(summary: dict[str, Any], kind: str) -> list[dict[str, Any]]:
+    """States that were reached: `steps`, or those `on_the_way`."""
+    return [step for step in summary.get(kind, []) if kind != "steps" or step.get("converged")]
+
+
+def _check_states(folder: Path, kind: str, first: int, states: list[dict[str, Any]]) -> None:
+    """Refuses a folder that does not hold states any more, from the first on of a kind."""
+    try:
+        is_there = _reached(_summary_of(folder), kind)[first : first + len(states)] == states
+    except InputError:
+        is_there = False
+    if not is_there:
+        raise InputError(f"{folder}: another run has been recorded there since: Result.open opens what is there now")
+
+
+def _field_file(path: Path, kind: str, number: int, step: dict[str, Any]) -> _native.FieldFile | None:
+    """The fields of a state in a result folder, as long as that holds the run of which the state is."""
+    try:
+        return _native.read_field_file(path) if path.is_file() else None
+    finally:
+        # Afterwards: a run that replaces another one removes its summary before it writes any fields.
+        _check_states(path.parents[1], kind, number, [step])
 
 
 class Hearing:
     """How a run is solved, and who hears of it."""
 
     def __init__(self, threads: int | None, progress: bool, on_state: Callable[[State], object] | None) -> None:
-        self.threads, self.progress, self.on_state = threads, progress, on_state
+        if on_state is not None and not callable(on_state):
+            raise InputError(f"on_state = {on_state!r} cannot be called with a state")
+        self.threads = None if threads is None else whole(threads, "threads")
+        self.progress, self.on_state = progress, on_state
 
 
 def _maker(study: _native.Study, body: Callable[[], _Body]) -> Callable[[_native.State], State]:
@@ -673,25 +734,19 @@ def _maker(study: _native.Study, body: Callable[[], _Body]) -> Callable[[_native
     return lambda state: State(json.loads(state.summary), length, body, state, at)
 
 
-def _no_body() -> _Body:
-    raise AssertionError("nobody looks at it")
-
-
-def _key(study: _native.Study) -> str:
-    return "load.pressure_kpa" if study.kind == "case" else "load.times"
-
-
-def key_of_positions(
-    study: _native.Study, pressures: Sequence[float] | None, times: Sequence[float] | None
-) -> str | None:
-    """The key of the positions on the load path that were given, unless none were."""
+def positions(
+    study: _native.Study, pressures: ArrayLike | None, times: ArrayLike | None
+) -> dict[str, list[float]] | None:
+    """The positions on the load path that were given by their key, unless none were."""
     if pressures is not None and times is not None:
         raise InputError("give either pressures, of an actuator, or times, of a model")
     if pressures is not None and study.kind != "case":
         raise InputError("a model has times, not pressures: its pressures are in its cavities")
     if times is not None and study.kind == "case":
         raise InputError("an actuator has pressures, not times")
-    return None if pressures is None and times is None else _key(study)
+    if pressures is not None:
+        return {"load.pressure_kpa": listed(pressures, "pressures")}
+    return None if times is None else {"load.times": listed(times, "times")}
 
 
 def follow(
@@ -702,8 +757,7 @@ def follow(
     out: Path | None,
     resumes: bool,
     fields: bool,
-    start: _native.Checkpoint | None = None,
-    earlier: Sequence[State] = (),
+    start: _native.Start | None = None,
 ) -> Result:
     """Solves an analysis of a study.
 
@@ -723,8 +777,7 @@ def follow(
         make = _maker(study, lambda: body)
 
         def tell(state: _native.State) -> object:
-            made = make(state)
-            return None if earlier and made._when == earlier[-1]._when else hear(made)
+            return hear(make(state))
 
     iteration = progress.iteration if progress else None
     outcome = _native.solve(analysis, hearing.threads, out, resumes, start, fields, tell, iteration)
@@ -739,10 +792,7 @@ def follow(
     if out is not None and resumes:
         result = Result.open(out)
     else:
-        # A load step that was accepted at a position that was asked for is told of once more.
-        if earlier and outcome.states and earlier[-1]._when == _maker(study, _no_body)(outcome.states[0])._when:
-            earlier = earlier[:-1]
-        result = Result._of(study, analysis, outcome, out, earlier)
+        result = Result._of(study, analysis, outcome, out)
     match outcome.status:
         case "not-converged" | "setup":
             raise NotConverged(outcome.failure, result)

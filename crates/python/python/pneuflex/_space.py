@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import whole
 from ._errors import InputError, missing
 
 Design = dict[str, Any]
@@ -15,6 +16,17 @@ Design = dict[str, Any]
 
 Range = tuple[float, float] | list[Any]
 """(least, greatest), both whole numbers for whole numbers between them, both included; or a list to choose from."""
+
+
+def _by_key(space: Any) -> dict[str, Any]:
+    if not isinstance(space, Mapping):
+        raise InputError(f"values by keys are wanted, e.g. {{'actuator.gap': [1, 1.5]}}, not {space!r:.100}")
+    return dict(space)
+
+
+def _is_range(least: Any, greatest: Any) -> bool:
+    are_numbers = all(isinstance(x, (int, float, np.integer, np.floating)) for x in (least, greatest))
+    return are_numbers and bool(-np.inf < least <= greatest < np.inf)
 
 
 class Grid:
@@ -25,7 +37,11 @@ class Grid:
     """
 
     def __init__(self, values: Mapping[str, Iterable[Any]]) -> None:
-        self.values = {key: list(entries) for key, entries in values.items()}
+        self.values = {}
+        for key, entries in _by_key(values).items():
+            if isinstance(entries, (str, Mapping)) or not isinstance(entries, Iterable):
+                raise InputError(f"{key} = {entries!r} must be a list of values")
+            self.values[key] = list(entries)
 
     def designs(self) -> list[Design]:
         """The designs, the last key changing fastest."""
@@ -41,14 +57,12 @@ class _Sampled:
     """Points of the unit cube, brought to ranges."""
 
     def __init__(self, ranges: Mapping[str, Range], count: int, seed: int = 0) -> None:
-        self.ranges, self.count, self.seed = dict(ranges), count, seed
-        if count < 1:
-            raise InputError(f"count = {count} must be at least 1")
+        self.ranges, self.count, self.seed = _by_key(ranges), whole(count, "count"), seed
         for key, entry in self.ranges.items():
             if isinstance(entry, list):
                 if not entry:
                     raise InputError(f"{key}: there is nothing to choose from")
-            elif not (isinstance(entry, tuple) and len(entry) == 2 and entry[0] <= entry[1]):
+            elif not (isinstance(entry, tuple) and len(entry) == 2 and _is_range(*entry)):
                 raise InputError(f"{key} = {entry!r} must be (least, greatest), or a list to choose from")
 
     def _points(self, dimensions: int) -> Any:

@@ -7,17 +7,17 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Floats, Integers, faces, floats, integers, matrix, members, numbers
+from ._arrays import Floats, Integers, array_of, faces, floats, integers, listed, matrix, members, numbers, positive, whole
 from ._errors import InputError
 from ._materials import as_material
 from ._mesh import STABLE, VTK_CELLS, parts_of
-from ._result import Hearing, Result, State, _Body, follow, key_of_positions
+from ._result import Hearing, Result, State, _Body, follow, positions
 from ._toml import flat, to_toml
 
 Keys = Mapping[str, Any]
@@ -121,6 +121,14 @@ class Study:
 
     __copy__ = copy
 
+    def _files(self) -> dict[str, bytes]:
+        """Everything that it is read from."""
+        return {os.fspath(path): data for path, data in self._study.files.items()}
+
+    def _reading(self, files: dict[str, bytes]) -> Self:
+        """The same, read from these files."""
+        return _again(type(self), ("from_files", os.fspath(self._study.path), files), self._study.changes)
+
     def set(self, keys: Keys) -> Self:
         """Sets keys, all at once: what one of them alone would break may be mended by another. Returns the same object.
 
@@ -139,6 +147,8 @@ class Study:
         >>> case["actuator.gap"]
         1.5
         """
+        if not isinstance(keys, Mapping):
+            raise InputError(f"values by keys are wanted, e.g. {{'actuator.gap': 1.5}}, not {keys!r:.100}")
         named = {key: as_material(value) if key == "material" else value for key, value in keys.items()}
         self._study = self._study.with_changes(flat(named))
         return self
@@ -146,7 +156,7 @@ class Study:
     def __getitem__(self, key: str) -> Any:
         """The value of a key, with defaults filled in, e.g. ``case["actuator.gap"]``."""
         value: Any = self.values
-        for name in key.split("."):
+        for name in str(key).split("."):
             if not isinstance(value, dict) or name not in value:
                 raise KeyError(key)
             value = value[name]
@@ -217,23 +227,19 @@ class Study:
         OSError
             Results cannot be written.
         """
-        values = pressures if pressures is not None else times
-        study, key = self._study, key_of_positions(self._study, _list(pressures), _list(times))
-        if key is not None and values is not None:
-            study = study.with_changes([(key, to_toml(_list(values)))])
-        analysis = study.build(force, threads)
         hearing = Hearing(threads, progress, on_state)
+        study, given = self._study, positions(self._study, pressures, times)
+        if given is not None:
+            study = study.with_changes(flat(given))
+        analysis = study.build(force, hearing.threads)
         folder = Path(out) if out is not None else None
         return follow(study, analysis, hearing, out=folder, resumes=False, fields=fields)
 
 
-def _list(values: ArrayLike | None) -> list[float] | None:
-    if values is None:
-        return None
-    array = np.atleast_1d(np.asarray(values))
-    if array.ndim != 1 or array.dtype.kind not in "fiu":
-        raise InputError(f"pressures and times are lists of numbers, not {array.dtype} of shape {array.shape}")
-    return [float(x) for x in array]
+def _tables(rows: Any, name: str) -> list[Keys]:
+    if not isinstance(rows, Sequence) or isinstance(rows, str) or not all(isinstance(row, Mapping) for row in rows):
+        raise InputError(f"{name}: a list of tables is wanted, each with values by keys, not {rows!r:.100}")
+    return list(rows)
 
 
 def _existing(path: str | os.PathLike[str]) -> str:
@@ -242,7 +248,10 @@ def _existing(path: str | os.PathLike[str]) -> str:
     return os.path.abspath(path)
 
 
-def _again(kind: type[Study], source: tuple[Any, ...], changes: list[tuple[str, str]]) -> Study:
+S = TypeVar("S", bound=Study)
+
+
+def _again(kind: type[S], source: tuple[Any, ...], changes: list[tuple[str, str]]) -> S:
     made = kind.__new__(kind)
     Study.__init__(made, source, changes)
     return made
@@ -278,13 +287,15 @@ class Case(Study):
         """
         case = cls(("load", _existing(path)), flat(keys or {}))
         # A copy that is sent to another process is the case that was read.
-        case._source = ("from_text", os.fspath(path), Path(path).read_text(encoding="utf-8"))
+        case._source = ("from_files", os.fspath(path), case._files())
         return case
 
     @classmethod
     def from_text(cls, text: str, name: str = "case.toml") -> Case:
         """A case from the text of a case file, which messages call `name`."""
-        return cls(("from_text", name, text))
+        if not isinstance(text, str):
+            raise InputError(f"text = {text!r:.100} must be the text of a case file")
+        return cls(("from_files", name, {name: text.encode()}))
 
     @classmethod
     def actuator(
@@ -358,9 +369,9 @@ class Case(Study):
             "part": part,
         }
         keys: dict[str, Any] = {f"actuator.{key}": value for key, value in lengths.items() if value is not None}
-        keys |= {"title": title, "probe": list(probes)}
+        keys |= {"title": title, "probe": _tables(probes, "probes")}
         if pressures is not None:
-            keys["load.pressure_kpa"] = _list(pressures)
+            keys["load.pressure_kpa"] = listed(pressures, "pressures")
         if material is not None:
             keys["material"] = as_material(material)
         if mesh is not None:
@@ -368,12 +379,11 @@ class Case(Study):
         if contact is not None:
             keys["contact"] = contact
         if obstacles:
-            keys["obstacle"] = list(obstacles)
+            keys["obstacle"] = _tables(obstacles, "obstacles")
         if solver is not None:
             keys["solver"] = solver
-        if isinstance(chambers, bool) or not isinstance(chambers, (int, np.integer)) or not 1 <= chambers <= 10**6:
-            raise InputError(f"chambers = {chambers!r} must be a whole number from 1 on")
-        return cls(("from_text", "actuator", _native.template(int(chambers))), flat(keys))
+        text = _native.template(whole(chambers, "chambers", 10**6))
+        return cls(("from_files", "actuator", {"actuator": text.encode()}), flat(keys))
 
     @property
     def length(self) -> float:
@@ -470,10 +480,11 @@ class Model(Study):
         InputError
             Arrays of another shape, nodes that are not there, keys that do not exist or are out of range.
         """
-        positions = matrix(nodes, 3, "nodes")
-        if scale != 1.0:
-            positions = positions * scale
-        connectivity = np.asarray(cells)
+        places = matrix(nodes, 3, "nodes") * positive(scale, "scale", ": millimetres per unit of length of the nodes")
+        connectivity = array_of(cells, "cells")
+        for name, text in (("element", element), ("title", title)):
+            if not isinstance(text, str | None):
+                raise InputError(f"{name} = {text!r} must be a text")
         if connectivity.ndim != 2:
             raise InputError(f"cells must have the shape (m, nodes of a cell), not {connectivity.shape}")
         size = connectivity.shape[1]
@@ -498,16 +509,14 @@ class Model(Study):
             "obstacle": obstacles,
             "probe": probes,
         }
-        for key, rows in several.items():
-            if not isinstance(rows, Sequence) or isinstance(rows, str) or not all(isinstance(r, Mapping) for r in rows):
-                raise InputError(f"{key}: a list of tables is wanted, each with values by keys, not {rows!r:.100}")
+        several = {key: _tables(rows, f"{key[:-1]}ies" if key[-1] == "y" else f"{key}s") for key, rows in several.items()}
         several["region"] = [{**region, "material": as_material(region.get("material"))} for region in regions]
         tables: dict[str, Any] = {
             "title": title or None,
             "material": as_material(material),
             "gravity": gravity,
             "solver": solver,
-            "load": {"times": _list(times)} if times is not None else None,
+            "load": {"times": listed(times, "times")} if times is not None else None,
             "mesh": {"element": element} if element is not None else None,
         }
         lines = [f"{key} = {to_toml(value, key)}" for key, value in tables.items() if value is not None]
@@ -515,24 +524,26 @@ class Model(Study):
             if rows:
                 inner = "".join(f"  {to_toml(row, key)},\n" for row in rows)
                 lines.append(f"{key} = [\n{inner}]")
-        count = len(positions)
+        count = len(places)
+        by_rows = faces(face_sets, count).items()
         source = (
             "from_mesh",
             title or "model",
             "\n".join(lines) + "\n",
             given,
-            positions.tobytes(),
-            numbers(connectivity, "cells", count),
-            members(node_sets, count, "node"),
-            faces(face_sets, count),
-            members(cell_sets, len(connectivity), "cell"),
+            places.astype("<f8").tobytes(),
+            (numbers(connectivity, "cells", count).tobytes(), size),
+            {name: chosen.tobytes() for name, chosen in members(node_sets, count, "node").items()},
+            {name: (rows.tobytes(), rows.shape[1] if rows.ndim == 2 else 0) for name, rows in by_rows},
+            {name: chosen.tobytes() for name, chosen in members(cell_sets, len(connectivity), "cell").items()},
         )
         return cls(source)
 
     @classmethod
     def from_mesh(cls, mesh: Any, **arguments: Any) -> Model:
         """A model from a `meshio.Mesh` or a `pyvista.UnstructuredGrid` as it is; further arguments are those of :meth:`from_arrays`, whose
-        sets are added to the mesh's own.
+        sets are added to the mesh's own. Numbers and truth values in them are those of the mesh: of all its points, and of all cells of a grid
+        of PyVista, of the solid cells of a mesh of meshio. Points of no solid cell are left out: results number the others.
 
         Of meshio, `point_sets` and `cell_sets` become sets: of the solid cells sets of cells, of the faces sets of faces; physical groups of
         Gmsh are among these. Of PyVista, arrays of truth values at points and cells become sets of that name.
@@ -543,8 +554,9 @@ class Model(Study):
             For a mesh without solid cells, of cells of several kinds, or of a kind that cannot be solved.
         """
         parts = parts_of(mesh)
-        for name in ("node_sets", "face_sets", "cell_sets"):
-            arguments[name] = {**getattr(parts, name), **(arguments.get(name) or {})}
+        parts.add(*(arguments.pop(name, None) for name in ("node_sets", "face_sets", "cell_sets")))
+        parts = parts.used()
+        arguments |= {"node_sets": parts.node_sets, "face_sets": parts.face_sets, "cell_sets": parts.cell_sets}
         return cls.from_arrays(parts.nodes, parts.cells, **arguments)
 
     def __repr__(self) -> str:

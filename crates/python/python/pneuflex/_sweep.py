@@ -11,20 +11,22 @@ import os
 import pickle
 import sys
 import time
+import weakref
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from numpy.typing import ArrayLike
 
 from . import _native
+from ._arrays import whole
 from ._errors import InputError, missing
-from ._processes import Processes, WorkerDied, available_memory, cores
-from ._result import Result, key_of_positions
+from ._processes import Processes, WorkerDied, cores
+from ._result import Result, positions
 from ._space import Design, Grid, LatinHypercube, Sobol, designs_of
-from ._study import Case, Study, _list
+from ._study import Case, Study
 from ._toml import flat
 from ._worker import Row, Task, keep, replace, row_file, solve_design
 
@@ -39,13 +41,17 @@ MEMORY_SHARE = 0.8
 TRIES = 3
 """How often a design is handed to an executor that loses it."""
 
+TRANSIENT = ("worker-died", "error")
+"""What became of a design for a reason that is not its own."""
+
 
 class Sweep(Sequence[Row]):
     """What became of the designs of a sweep, in their order. Each is a dict with ``design`` (its number), ``inputs``, ``status``, ``reason``,
     ``message``, ``advice``, ``seconds``, ``cpu_seconds``, ``threads`` and ``states``: for every reached state its numbers.
 
-    ``status`` is that of a :class:`Result`, or ``bad-input`` (values that make no body), ``worker-died``, ``error``; ``open`` for a design
-    that is not finished yet.
+    ``status`` is that of a :class:`Result`, or ``bad-input``: values that make no body. The next call tries again what did not end by
+    the design itself: ``worker-died``: the process that solved it was killed, each time that it was tried; ``error``: the machine had no room for
+    it, its results could not be written, or something unforeseen. ``open`` is a design that is not finished yet.
     """
 
     def __init__(self, folder: Path, rows: list[Row]) -> None:
@@ -202,38 +208,44 @@ def sweep(
     KeyboardInterrupt
         Ctrl-C; what is finished is kept.
     """
+    if not isinstance(study, Study):
+        raise InputError(f"study = {study!r:.100} must be a Case or a Model")
     if executor is not None and workers is not None:
         raise InputError("workers are those of this machine: give either these or an executor")
-    for name, number in (("workers", workers), ("threads", threads)):
-        if number is not None and number < 1:
-            raise InputError(f"{name} = {number} must be at least 1")
+    if executor is not None and not hasattr(executor, "submit"):
+        raise InputError(f"executor = {executor!r:.100} must be a concurrent.futures.Executor")
+    workers, threads = (
+        None if number is None else whole(number, name) for name, number in (("workers", workers), ("threads", threads))
+    )
     base = study.copy()
-    key = key_of_positions(base._study, _list(pressures), _list(times))
-    if key is not None:
-        base.set({key: _list(pressures if pressures is not None else times)})
+    base.set(positions(base._study, pressures, times) or {})
     designs = designs_of(space)
     memory = _checked(base, designs)
     folder = Path(out).absolute()
     with _held(folder):
-        origin = _origin(base)
-        entries = [{"identity": _identity(origin, fields, design), "inputs": _plain(design)} for design in designs]
+        base, contents = _in_memory(base, designs)
+        origin = _origin(base, contents.pop())
+        entries = [
+            {"identity": _identity(origin, fields, design, content), "inputs": _plain(design)}
+            for design, content in zip(designs, contents, strict=True)
+        ]
         _begin(folder, origin, entries, base)
         rows = {entry["identity"]: _row_of(folder, i, **entry) for i, entry in reversed(list(enumerate(entries)))}
-        left = [entry for entry in entries if rows[entry["identity"]]["status"] == "open"]
+        left = [entry for entry in entries if rows[entry["identity"]]["status"] in ("open", *TRANSIENT)]
         # A design that is there twice is solved once.
         left = list({entry["identity"]: entry for entry in left}.values())
+        for entry in left:
+            row_file(folder, entry["identity"]).unlink(missing_ok=True)
+            del rows[entry["identity"]]
         by_identity = {entry["identity"]: design for entry, design in zip(entries, designs, strict=True)}
         share = _share(len(left), memory, workers, threads) if executor is None else (0, threads or 1)
-        data: bytes | str = pickle.dumps(base)
-        if len(data) > LARGE:
-            replace(folder / "base.pickle", bytes(data) if isinstance(data, bytes) else b"")
-            data = str(folder / "base.pickle")
+        data = _sent(folder, base)
         record = (lambda identity: str(_record(folder, identity))) if fields else (lambda identity: None)
         tasks = [
             Task(e["identity"], by_identity[e["identity"]], data, str(folder), record(e["identity"]), share[1]) for e in left
         ]
         teller = _Teller(len(entries), len(entries) - len(left), progress)
-        teller.failed = sum(row["status"] not in ("converged", "past-limit", "open") for row in rows.values())
+        teller.failed = sum(row["status"] not in ("converged", "past-limit") for row in rows.values())
         pool = executor if executor is not None else Processes(share[0]) if tasks else None
         is_done = False
         try:
@@ -317,7 +329,7 @@ def _share(designs: int, memory: float | None, workers: int | None, threads: int
     all_cores = cores()
     if workers is None:
         workers = max(1, min(designs, all_cores // (threads or 1)))
-        available = available_memory()
+        available = _native.available_memory()
         if memory and available:
             workers = max(1, min(workers, int(MEMORY_SHARE * available / memory)))
     return workers, threads or max(1, all_cores // workers)
@@ -336,26 +348,66 @@ def _plain(value: Any) -> Any:
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
-def _origin(base: Study) -> str:
+def _in_memory(base: Study, designs: list[Design]) -> tuple[Study, list[str]]:
+    """A study that reads nothing from the disk, wherever and whenever designs of it are solved, and digests of what is read for each design,
+    and for the study itself, beside the values of its keys."""
+    if base._study.kind == "case":
+        return base, [""] * (len(designs) + 1)
+    main = os.fspath(base._study.path)
+    files, known = base._files(), {}
+    contents = []
+    for design in [*designs, {}]:
+        try:
+            one = base.copy().set(design)
+        except InputError:
+            # It reads nothing.
+            contents.append("")
+            continue
+        source = one.values.get("model") or {}
+        name = json.dumps(source, sort_keys=True)
+        if name not in known:
+            digest = hashlib.blake2b(digest_size=16)
+            try:
+                read = one._files()
+            except InputError as error:
+                # Bad input, as long as it is what it is.
+                path = Path(main).parent / source.get("file", "")
+                read = {os.fspath(path): path.read_bytes()} if path.is_file() else {}
+                digest.update(str(error).encode())
+            for path_, data in sorted(read.items()):
+                # What a model file says are its values.
+                if path_ != main or base._study.kind == "deck":
+                    digest.update(json.dumps([os.path.relpath(path_, Path(main).parent), len(data)]).encode() + data)
+            files |= read
+            known[name] = digest.hexdigest()
+        contents.append(known[name])
+    return base._reading(files), contents
+
+
+def _sent(folder: Path, base: Study) -> bytes | str:
+    """A study as it is sent to workers: pickled, or the file that holds it."""
+    data = pickle.dumps(base)
+    if len(data) <= LARGE:
+        return data
+    path = folder / f"base-{hashlib.blake2b(data, digest_size=16).hexdigest()}.pickle"
+    for other in folder.glob("base-*.pickle"):
+        if other != path:
+            other.unlink()
+    if not path.exists():
+        replace(path, data)
+    return str(path)
+
+
+def _origin(base: Study, content: str) -> str:
     """A number for what all designs have in common: the values, the mesh or the files, the version."""
-    digest = hashlib.blake2b(digest_size=16)
-    values = base.values
     # Where it was read from makes no difference.
-    digest.update(json.dumps([_native.VERSION, type(base).__name__, values], sort_keys=True).encode())
-    for part in base._source[3:] if base._source[0] == "from_mesh" else ():
-        digest.update(pickle.dumps(part))
-    if base._source[0] == "load":
-        path = Path(base._source[1])
-        digest.update(path.read_bytes())
-        body = path.parent / values.get("model", {}).get("file", "")
-        if body.is_file():
-            digest.update(body.read_bytes())
-    return digest.hexdigest()
+    text = json.dumps([_native.VERSION, type(base).__name__, base.values, content], sort_keys=True)
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def _identity(origin: str, fields: bool, design: Design) -> str:
+def _identity(origin: str, fields: bool, design: Design, content: str) -> str:
     pairs = sorted(flat({key: _plain(value) for key, value in design.items()}))
-    text = json.dumps([origin, fields, pairs])
+    text = json.dumps([origin, fields, pairs, content])
     return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
 
 
@@ -384,7 +436,7 @@ def _begin(folder: Path, origin: str, entries: list[dict[str, Any]], base: Study
             raise InputError(f"{folder} holds a sweep of pneuflex {old.get('version')}: choose another folder")
         if old.get("origin") != origin:
             changed = [k for k in base.values if base.values[k] != old.get("values", {}).get(k)]
-            words = f" ({', '.join(changed)} differ)" if changed else ""
+            words = f" ({', '.join(changed)} differ)" if changed else " (its mesh, its deck or what that includes differs)"
             raise InputError(f"{folder} holds a sweep of another case{words}: choose another folder")
     elif any(entry.name != ".lock" for entry in folder.iterdir()):
         raise InputError(f"{folder} holds files that are no sweep: choose another folder; nothing was touched")
@@ -393,6 +445,20 @@ def _begin(folder: Path, origin: str, entries: list[dict[str, Any]], base: Study
         part.unlink(missing_ok=True)
     plan = {"program": "pneuflex", "version": _native.VERSION, "origin": origin, "values": base.values, "designs": entries}
     replace(path, json.dumps(plan, indent=1).encode())
+
+
+_locks: weakref.WeakSet[IO[bytes]] = weakref.WeakSet()
+"""Locks that this process holds."""
+
+
+def _let_go() -> None:
+    for lock in _locks:
+        lock.close()
+
+
+if sys.platform != "win32":
+    # A worker that was forked would hold the lock with its driver, and without it when that has died.
+    os.register_at_fork(after_in_child=_let_go)
 
 
 @contextmanager
@@ -404,6 +470,7 @@ def _held(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(f"{folder}: cannot be written to: {error}") from error
     with lock:
+        _locks.add(lock)
         try:
             import fcntl
 

@@ -32,7 +32,7 @@ class Task:
     design
         Values by keys.
     base
-        The pickled study whose keys are set, or the file that holds it.
+        The pickled study whose keys are set, or the file that holds it, whose name changes with what it holds.
     folder
         The sweep's folder; rows are written there if it can be reached.
     record
@@ -80,8 +80,11 @@ def solve_design(task: Task) -> Row:
         result = ended.result
         row |= {"message": str(ended), "advice": ended.advice}
     except InputError as error:
-        row |= {"status": "bad-input", "reason": "bad-input", "message": str(error)}
-    except (OSError, RuntimeError, MemoryError) as error:
+        # Another machine, or this one at another time, may have room for it.
+        is_of_machine = any(problem.of_machine for problem in error.problems)
+        status, reason = ("error", "machine") if is_of_machine else ("bad-input", "bad-input")
+        row |= {"status": status, "reason": reason, "message": str(error)}
+    except Exception as error:  # noqa: BLE001 — the process must go on, and whoever waits must hear of it
         row |= {"reason": type(error).__name__, "message": str(error)}
     if result is not None:
         row["status"] = result.status
