@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use crate::curve::{Curve, Point};
+use crate::slack::strain_without_stress;
 
 /// A change of direction smaller than this share of the curve's range is noise.
 const NOISE: f64 = 0.01;
@@ -44,7 +45,7 @@ pub struct Cleaning {
     pub cycles: Cycles,
     /// Keep what follows the break.
     pub keeps_break: bool,
-    /// Keep the stress that was measured at rest in all others.
+    /// Keep the stress that was measured at rest in all others, and the strain without stress.
     pub keeps_offset: bool,
     /// Smallest stretch.
     pub from: f64,
@@ -109,6 +110,8 @@ pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
     unused.extend(spikes);
     let mut used = Vec::new();
     for branch in kept {
+        let is_first = branch.first().map(|p| p.line) == curve.points.iter().find(|p| p.stretch != 1.0).map(|p| p.line);
+        let branch = if how.keeps_offset { branch } else { taut(branch, is_first, &mut unused, &mut notes) };
         let cut = if how.keeps_break || !has_order { None } else { break_of(&branch) };
         let end = cut.unwrap_or(branch.len());
         if let Some(last) = cut.and_then(|c| branch.get(c.wrapping_sub(1))) {
@@ -134,6 +137,24 @@ pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
     }
     unused.extend(outside);
     Cleaned { used: inside, unused, notes }
+}
+
+/// A loading from where it has stress: the specimen was slack in its first loading, and has grown longer before a later one.
+fn taut(branch: Vec<Point>, is_first: bool, unused: &mut Vec<Point>, notes: &mut Vec<String>) -> Vec<Point> {
+    let Some(slack) = strain_without_stress(&branch) else { return branch };
+    let (slackened, taut): (Vec<Point>, Vec<Point>) = branch.into_iter().partition(|p| p.stretch <= 1.0 + slack);
+    let why = if is_first {
+        "the specimen was slack: strains are counted from there"
+    } else {
+        "earlier loadings have left it longer: stretches are of that length"
+    };
+    notes.push(format!(
+        "no stress up to a strain of {:.1} %, {why}; --keep-offset keeps them as they are",
+        100.0 * slack
+    ));
+    unused.extend(slackened);
+    let own = |stretch: f64| if is_first { stretch - slack } else { stretch / (1.0 + slack) };
+    taut.into_iter().map(|p| Point { stretch: own(p.stretch), ..p }).collect()
 }
 
 /// Splits off single points that stand alone between neighbours.

@@ -45,7 +45,8 @@ impl Mode {
         let has = |parts: &[&str]| parts.iter().any(|p| joined.contains(p));
         let is = |names: &[&str]| words.iter().any(|w| names.contains(&w.as_str()));
         let found = [
-            has(&["uniaxial", "einachsig"]) || is(&["ut", "ua", "uni", "tension", "tensile", "compression"]),
+            has(&["uniaxial", "einachsig"])
+                || is(&["ut", "ua", "uni", "tension", "tensile", "compression", "zugversuch", "druckversuch"]),
             has(&["biaxial", "zweiachsig"]) || is(&["et", "eb", "bt", "ebt", "equi"]),
             has(&["planar", "pureshear"]) || is(&["ps"]),
         ];

@@ -1,7 +1,7 @@
 //! Constants of hyperelastic laws from the curves of material tests.
 //!
 //! * [`curve`]: the text of a test file → curves of nominal stress over stretch.
-//! * [`clean`]: rows at rest, duplicates, cycles, what comes after the break, the range to fit.
+//! * [`clean`]: rows at rest, slack, duplicates, cycles, what comes after the break, the range to fit.
 //! * [`law`]: Yeoh, Mooney-Rivlin, neo-Hookean and Ogden stress in uniaxial, equibiaxial and planar tension, incompressible.
 //! * [`fit`]: weighted linear least squares with its statistics, with or without the condition of stability.
 //! * [`bands`], [`range`]: how well a law meets a curve at every strain, and how much of a curve it can follow.
@@ -20,5 +20,6 @@ pub mod library;
 mod ogden;
 pub mod range;
 mod regression;
+mod slack;
 pub mod stability;
 mod words;

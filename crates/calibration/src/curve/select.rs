@@ -108,7 +108,14 @@ pub fn select(
             Some(column) => column,
             None => {
                 let own = strains(mode);
-                let common = if own.is_empty() { strains(None) } else { own };
+                let named = || Mode::ALL.map(|mode| strains(Some(mode)));
+                let common = match mode {
+                    _ if !own.is_empty() => own,
+                    Some(_) => strains(None),
+                    // `Tensile strain` beside `Nominal stress`: the one test that the strains name is that of the stress.
+                    None if named().iter().filter(|of| !of.is_empty()).count() == 1 => named().concat(),
+                    None => own,
+                };
                 // In tables of pairs without names of tests, the strain stands to the left of its stress.
                 best_strain(headings, &common, line).map_err(|e| match common[..] {
                     [] => e.help(help_without(headings, &has_number)),
@@ -116,7 +123,7 @@ pub fn select(
                 })?
             }
         };
-        make_pair(headings, strain, stress, mode, line, options)
+        make_pair(headings, strain, stress, mode.or(headings[strain].mode), line, options)
     };
     let pairs = if let Some((column, _)) = &choice.stress {
         vec![pair(named(column)?, None)?]

@@ -3,6 +3,7 @@
 //! * [`curves`]: layouts of files, and what is refused.
 //! * [`fits`]: fits with known answers.
 //! * [`fuzz`]: files that may hold anything.
+//! * [`traps`]: what people write and miswrite.
 
 // Helpers count as tests here.
 #![allow(clippy::unwrap_used)]
@@ -10,3 +11,4 @@
 mod curves;
 mod fits;
 mod fuzz;
+mod traps;

@@ -73,7 +73,7 @@ pub struct FitArguments {
     /// Keep the rows after the largest stress of a broken specimen
     #[arg(long)]
     keep_break: bool,
-    /// Keep a stress that was measured at stretch 1 in all others, from which it is taken otherwise
+    /// Keep a stress that was measured at stretch 1 in all others, from which it is taken otherwise, and strains without stress
     #[arg(long)]
     keep_offset: bool,
     /// Smallest stretch, or engineering strain with %, that is fitted; for one test or all

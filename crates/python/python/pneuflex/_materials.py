@@ -201,7 +201,7 @@ def fit(
     keep_break
         Whether rows after the largest stress of a broken specimen are kept.
     keep_offset
-        Whether a stress at stretch 1 is kept in all others, from which it is taken otherwise.
+        Whether a stress at stretch 1 is kept in all others, from which it is taken otherwise, and strains without stress in theirs.
     weights
         By kind of test, e.g. ``{"planar": 2}``; each counts once otherwise, however many points it has.
     bulk_ratio
