@@ -43,15 +43,17 @@ const XU_LIU: &str = "Xu & Liu 2020, Effective enhanced model for a large deform
                       their simulations; uniaxial test, product and range are not stated";
 const UNKNOWN: &str = "not stated";
 
-const fn own(name: &'static str, curve: &'static str, to: f64, constants: [f64; 3]) -> Entry {
-    let (range, arguments) = if to == 4.0 {
-        ("uniaxial, stretch 1 to 4", "--residuals absolute --to 4")
-    } else if to == 2.0 {
-        ("uniaxial, stretch 1 to 2", "--residuals absolute --to 2")
-    } else {
-        ("uniaxial, the whole curve, stretch 1 to 2.93", "--residuals absolute --to all")
-    };
-    Entry { name, constants, range, source: MARECHAL, fit: Some(OwnFit { curve, to, arguments }), bulk_modulus: None }
+/// The longest range that Yeoh follows to 10 % from 10 % strain on: what `pneuflex fit` finds.
+const fn own(name: &'static str, curve: &'static str, to: f64, range: &'static str, constants: [f64; 3]) -> Entry {
+    let fit = OwnFit { curve, to, arguments: "" };
+    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus: None }
+}
+
+/// Up to twice the length, which actuators seldom go beyond.
+const fn moderate(name: &'static str, curve: &'static str, constants: [f64; 3]) -> Entry {
+    let fit = OwnFit { curve, to: 2.0, arguments: "--to 2" };
+    let range = "uniaxial, stretch 1 to 2, within 8 % from 10 % strain on";
+    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus: None }
 }
 
 const fn published(name: &'static str, constants: [f64; 3]) -> Entry {
@@ -60,36 +62,80 @@ const fn published(name: &'static str, constants: [f64; 3]) -> Entry {
 
 /// All sets; those of one material follow each other, the one to try first in front.
 pub const ENTRIES: [Entry; 22] = [
-    own("Ecoflex 00-10", "ecoflex_00-10.csv", 4.0, [0.00358883, 0.000141604, -3.76198e-7]),
-    own("Ecoflex 00-10", "ecoflex_00-10.csv", 2.0, [0.00351249, 0.000248123, -2.70888e-5]),
-    own("Ecoflex 00-30", "ecoflex_00-30.csv", 4.0, [0.00779207, 0.00010883, -1.00922e-6]),
-    own("Ecoflex 00-30", "ecoflex_00-30.csv", 2.0, [0.00719839, 0.00061975, -0.000117161]),
+    own(
+        "Ecoflex 00-10",
+        "ecoflex_00-10.csv",
+        10.864,
+        "uniaxial, stretch 1 to 10.9, within 10 % from 10 % strain on",
+        [0.00361431, 0.000125226, -4.04468e-7],
+    ),
+    moderate("Ecoflex 00-10", "ecoflex_00-10.csv", [0.00335331, 0.000494524, -0.00010421]),
+    own(
+        "Ecoflex 00-30",
+        "ecoflex_00-30.csv",
+        3.387,
+        "uniaxial, stretch 1 to 3.4, within 10 % from 10 % strain on",
+        [0.0072794, 0.000273847, -1.26944e-5],
+    ),
+    moderate("Ecoflex 00-30", "ecoflex_00-30.csv", [0.00675976, 0.00124597, -0.000321011]),
     published("Ecoflex 00-30", [0.0084, 0.0001, 0.0]),
-    own("Ecoflex 00-50", "ecoflex_00-50.csv", 4.0, [0.0106768, 0.000259148, -3.20878e-6]),
-    own("Ecoflex 00-50", "ecoflex_00-50.csv", 2.0, [0.00982766, 0.000933254, -0.000160754]),
+    own(
+        "Ecoflex 00-50",
+        "ecoflex_00-50.csv",
+        5.955,
+        "uniaxial, stretch 1 to 6.0, within 10 % from 10 % strain on",
+        [0.0102029, 0.00028543, -2.73055e-6],
+    ),
+    moderate("Ecoflex 00-50", "ecoflex_00-50.csv", [0.00939708, 0.00155391, -0.000351761]),
     published("Ecoflex 00-50", [0.0145, 0.0001, 0.0]),
-    own("Dragon Skin 10", "dragon_skin_10_medium.csv", 4.0, [0.0242584, 0.00225651, -5.45625e-5]),
-    own("Dragon Skin 10", "dragon_skin_10_medium.csv", 2.0, [0.0202441, 0.00469457, -0.000607724]),
+    own(
+        "Dragon Skin 10",
+        "dragon_skin_10_medium.csv",
+        4.591,
+        "uniaxial, stretch 1 to 4.6, within 10 % from 10 % strain on",
+        [0.021418, 0.00266222, -6.3051e-5],
+    ),
+    moderate("Dragon Skin 10", "dragon_skin_10_medium.csv", [0.0200445, 0.00508504, -0.000752769]),
     published("Dragon Skin 10", [0.036, 0.00025, 0.000023]),
-    own("Dragon Skin 20", "dragon_skin_20.csv", 4.0, [0.0703753, 0.00522858, -0.000112948]),
-    own("Dragon Skin 20", "dragon_skin_20.csv", 2.0, [0.0555063, 0.0145685, -0.00195569]),
-    own("Dragon Skin 30", "dragon_skin_30.csv", 4.0, [0.100521, 0.00639226, -0.000149414]),
-    own("Dragon Skin 30", "dragon_skin_30.csv", 2.0, [0.0862024, 0.0142963, -0.00163889]),
+    own(
+        "Dragon Skin 20",
+        "dragon_skin_20.csv",
+        3.841,
+        "uniaxial, stretch 1 to 3.8, within 10 % from 10 % strain on",
+        [0.0577898, 0.00848482, -0.000288148],
+    ),
+    moderate("Dragon Skin 20", "dragon_skin_20.csv", [0.0528059, 0.0183676, -0.00310985]),
+    own(
+        "Dragon Skin 30",
+        "dragon_skin_30.csv",
+        5.432,
+        "uniaxial, stretch 1 to 5.4, within 10 % from 10 % strain on",
+        [0.0916973, 0.00660846, -0.000112478],
+    ),
+    moderate("Dragon Skin 30", "dragon_skin_30.csv", [0.0845025, 0.0169131, -0.00254093]),
     published("Dragon Skin 30", [0.1536, 0.0016, 0.0]),
-    own("Mold Star 16 FAST", "mold_star_16_fast.csv", 4.0, [0.0422276, 0.00289065, -4.37234e-5]),
-    own("Mold Star 16 FAST", "mold_star_16_fast.csv", 2.0, [0.0405808, 0.00369622, -0.000217919]),
-    own("RTV615", "rtv615.csv", 2.932, [0.162806, 0.0140725, 0.000913052]),
-    own("RTV615", "rtv615.csv", 2.0, [0.16581, 0.0127241, 0.000987216]),
+    own(
+        "Mold Star 16 FAST",
+        "mold_star_16_fast.csv",
+        7.591,
+        "uniaxial, stretch 1 to 7.6, within 10 % from 10 % strain on",
+        [0.0418688, 0.00244789, -1.99378e-5],
+    ),
+    moderate("Mold Star 16 FAST", "mold_star_16_fast.csv", [0.0399136, 0.00475607, -0.000588779]),
+    own(
+        "RTV615",
+        "rtv615.csv",
+        2.932,
+        "uniaxial, stretch 1 to 2.9, within 10 % from 10 % strain on",
+        [0.164446, 0.0135812, 0.000949677],
+    ),
+    moderate("RTV615", "rtv615.csv", [0.163416, 0.0160531, -3.64249e-5]),
     Entry {
         name: "Silicone of Meunier 2008",
-        constants: [0.182363, -0.00489973, 0.0020688],
-        range: "uniaxial (stretch 0.49 to 2.17), equibiaxial (to 2.06) and planar (to 2.15) together",
+        constants: [0.179112, -0.0060882, 0.00229698],
+        range: "uniaxial (stretch 0.49 to 2.17), equibiaxial (to 2.06) and planar (to 2.15) together, within 20 % from 10 % strain on",
         source: MEUNIER,
-        fit: Some(OwnFit {
-            curve: "meunier_2008.csv",
-            to: 10.0,
-            arguments: "--unit MPa --residuals absolute --to all",
-        }),
+        fit: Some(OwnFit { curve: "meunier_2008.csv", to: 10.0, arguments: "--unit MPa" }),
         bulk_modulus: None,
     },
     Entry {
