@@ -37,8 +37,19 @@ const MARECHAL: &str = "own fit to the curve of Marechal et al. 2020, Soft Robot
                         ODbL 1.0): ASTM D412, one pull to failure at 450 mm/min, strain from the crosshead";
 const MEUNIER: &str = "own fit to the curves of Meunier et al. 2008 (unfilled silicone; uniaxial, equibiaxial and planar), as \
                        collected in github.com/Chongran-Zhao/Calibration-Hyperelasticity (MIT)";
-const SOROTOKI: &str = "constants of the program Sorotoki (github.com/BJCaasenbrood/SorotokiCode, src/fem/materials/samples, \
-                        file of this name); the test behind them is not stated there";
+/// Constants of a file of the program Sorotoki, at a commit.
+macro_rules! sorotoki {
+    ($file:literal, $commit:literal) => {
+        concat!(
+            "constants of the program Sorotoki (github.com/BJCaasenbrood/SorotokiCode, ",
+            $file,
+            " at commit ",
+            $commit,
+            "); the test behind them is not stated there"
+        )
+    };
+}
+
 const XU_LIU: &str = "Xu & Liu 2020, Effective enhanced model for a large deformable soft pneumatic actuator: the constants of \
                       their simulations; uniaxial test, product and range are not stated";
 const UNKNOWN: &str = "not stated";
@@ -56,12 +67,12 @@ const fn moderate(name: &'static str, curve: &'static str, constants: [f64; 3]) 
     Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus: None }
 }
 
-const fn published(name: &'static str, constants: [f64; 3]) -> Entry {
-    Entry { name, constants, range: UNKNOWN, source: SOROTOKI, fit: None, bulk_modulus: None }
+const fn published(name: &'static str, source: &'static str, constants: [f64; 3]) -> Entry {
+    Entry { name, constants, range: UNKNOWN, source, fit: None, bulk_modulus: None }
 }
 
 /// All sets; those of one material follow each other, the one to try first in front.
-pub const ENTRIES: [Entry; 22] = [
+pub const ENTRIES: [Entry; 25] = [
     own(
         "Ecoflex 00-10",
         "ecoflex_00-10.csv",
@@ -70,6 +81,7 @@ pub const ENTRIES: [Entry; 22] = [
         [0.00361431, 0.000125226, -4.04468e-7],
     ),
     moderate("Ecoflex 00-10", "ecoflex_00-10.csv", [0.00335331, 0.000494524, -0.00010421]),
+    published("Ecoflex 00-10", sorotoki!("+preset/+material/Ecoflex0010.m", "ca7a079"), [0.003, -0.0002, 0.000023]),
     own(
         "Ecoflex 00-30",
         "ecoflex_00-30.csv",
@@ -78,7 +90,8 @@ pub const ENTRIES: [Entry; 22] = [
         [0.0072794, 0.000273847, -1.26944e-5],
     ),
     moderate("Ecoflex 00-30", "ecoflex_00-30.csv", [0.00675976, 0.00124597, -0.000321011]),
-    published("Ecoflex 00-30", [0.0084, 0.0001, 0.0]),
+    published("Ecoflex 00-30", sorotoki!("src/fem/materials/samples/Ecoflex0030.m", "d062777"), [0.0084, 0.0001, 0.0]),
+    published("Ecoflex 00-30", sorotoki!("+preset/+material/Ecoflex0030.m", "ca7a079"), [0.017, -0.0002, 0.000023]),
     own(
         "Ecoflex 00-50",
         "ecoflex_00-50.csv",
@@ -87,7 +100,7 @@ pub const ENTRIES: [Entry; 22] = [
         [0.0102029, 0.00028543, -2.73055e-6],
     ),
     moderate("Ecoflex 00-50", "ecoflex_00-50.csv", [0.00939708, 0.00155391, -0.000351761]),
-    published("Ecoflex 00-50", [0.0145, 0.0001, 0.0]),
+    published("Ecoflex 00-50", sorotoki!("+preset/+material/Ecoflex0050.m", "ca7a079"), [0.0145, 0.0001, 0.0]),
     own(
         "Dragon Skin 10",
         "dragon_skin_10_medium.csv",
@@ -96,7 +109,7 @@ pub const ENTRIES: [Entry; 22] = [
         [0.021418, 0.00266222, -6.3051e-5],
     ),
     moderate("Dragon Skin 10", "dragon_skin_10_medium.csv", [0.0200445, 0.00508504, -0.000752769]),
-    published("Dragon Skin 10", [0.036, 0.00025, 0.000023]),
+    published("Dragon Skin 10", sorotoki!("+preset/+material/Dragonskin10.m", "ca7a079"), [0.036, 0.00025, 0.000023]),
     own(
         "Dragon Skin 20",
         "dragon_skin_20.csv",
@@ -113,7 +126,7 @@ pub const ENTRIES: [Entry; 22] = [
         [0.0916973, 0.00660846, -0.000112478],
     ),
     moderate("Dragon Skin 30", "dragon_skin_30.csv", [0.0845025, 0.0169131, -0.00254093]),
-    published("Dragon Skin 30", [0.1536, 0.0016, 0.0]),
+    published("Dragon Skin 30", sorotoki!("+preset/+material/Dragonskin30.m", "ca7a079"), [0.1536, 0.0016, 0.0]),
     own(
         "Mold Star 16 FAST",
         "mold_star_16_fast.csv",
@@ -130,6 +143,7 @@ pub const ENTRIES: [Entry; 22] = [
         [0.164446, 0.0135812, 0.000949677],
     ),
     moderate("RTV615", "rtv615.csv", [0.163416, 0.0160531, -3.64249e-5]),
+    published("Elastosil 28", sorotoki!("+preset/+material/Elastosil28.m", "ca7a079"), [0.11, 0.02, 0.0]),
     Entry {
         name: "Silicone of Meunier 2008",
         constants: [0.179112, -0.0060882, 0.00229698],
@@ -173,8 +187,10 @@ mod tests {
         for (i, name) in all.iter().enumerate() {
             assert_eq!(find(name), Some(i), "{name}");
         }
-        assert_eq!((all[2].as_str(), all[4].as_str()), ("ecoflex-00-30", "ecoflex-00-30:3"));
-        assert_eq!((find("Dragon Skin 30"), find("EcoFlex00-30:2"), find("butter")), (Some(13), Some(3), None));
+        let named = |text: &str| find(text).map(identifier);
+        assert_eq!(named("Dragon Skin 30").as_deref(), Some("dragon-skin-30"));
+        assert_eq!(named("EcoFlex00-30:4").as_deref(), Some("ecoflex-00-30:4"));
+        assert_eq!(named("butter"), None);
         all.sort();
         all.dedup();
         assert_eq!(all.len(), ENTRIES.len());
