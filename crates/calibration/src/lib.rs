@@ -5,12 +5,14 @@
 //! * [`law`]: Yeoh, Mooney-Rivlin, neo-Hookean and Ogden stress in uniaxial, equibiaxial and planar tension, incompressible.
 //! * [`fit`]: weighted linear least squares with its statistics, with or without the condition of stability.
 //! * [`bands`], [`range`]: how well a law meets a curve at every strain, and how much of a curve it can follow.
+//! * [`bulk`]: a bulk modulus that suits the range.
 //! * [`stability`]: the stretches up to which a law is stable in Drucker's sense.
 //! * [`library`]: constants of known silicones, each with its source.
 //!
 //! Units: stretches and strains without unit, stresses and constants in MPa. This crate knows neither files nor terminals.
 
 pub mod bands;
+pub mod bulk;
 pub mod clean;
 mod constrained;
 pub mod curve;

@@ -5,6 +5,9 @@
 //! sets for one product differ by a factor of two, with batch, mixing, curing, strain rate, the first or a later loading, the
 //! way strain is measured, and the range that is fitted.
 
+use crate::bulk::{bulk_modulus, mean_stress};
+use crate::law::{Law, Mode};
+
 /// A set of Yeoh constants.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Entry {
@@ -19,7 +22,17 @@ pub struct Entry {
     /// Our own fit.
     pub fit: Option<OwnFit>,
     /// Bulk modulus of the source, MPa.
-    pub bulk_modulus: Option<f64>,
+    pub bulk_modulus_of_source: Option<f64>,
+}
+
+impl Entry {
+    /// The bulk modulus of the source, or one that suits the range of the fit, MPa.
+    pub fn bulk_modulus(&self) -> f64 {
+        let stress = self.fit.map_or(0.0, |fit| {
+            mean_stress(Mode::Uniaxial, fit.to, Law::Yeoh.stress(&self.constants, Mode::Uniaxial, fit.to))
+        });
+        self.bulk_modulus_of_source.unwrap_or_else(|| bulk_modulus(2.0 * self.constants[0], stress))
+    }
 }
 
 /// How constants of our own were fitted.
@@ -57,18 +70,18 @@ const UNKNOWN: &str = "not stated";
 /// The longest range that Yeoh follows to 10 % from 10 % strain on: what `pneuflex fit` finds.
 const fn own(name: &'static str, curve: &'static str, to: f64, range: &'static str, constants: [f64; 3]) -> Entry {
     let fit = OwnFit { curve, to, arguments: "" };
-    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus: None }
+    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus_of_source: None }
 }
 
 /// Up to twice the length, which actuators seldom go beyond.
 const fn moderate(name: &'static str, curve: &'static str, constants: [f64; 3]) -> Entry {
     let fit = OwnFit { curve, to: 2.0, arguments: "--to 2" };
     let range = "uniaxial, stretch 1 to 2, within 8 % from 10 % strain on";
-    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus: None }
+    Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus_of_source: None }
 }
 
 const fn published(name: &'static str, source: &'static str, constants: [f64; 3]) -> Entry {
-    Entry { name, constants, range: UNKNOWN, source, fit: None, bulk_modulus: None }
+    Entry { name, constants, range: UNKNOWN, source, fit: None, bulk_modulus_of_source: None }
 }
 
 /// All sets; those of one material follow each other, the one to try first in front.
@@ -149,8 +162,8 @@ pub const ENTRIES: [Entry; 25] = [
         constants: [0.179112, -0.0060882, 0.00229698],
         range: "uniaxial (stretch 0.49 to 2.17), equibiaxial (to 2.06) and planar (to 2.15) together, within 20 % from 10 % strain on",
         source: MEUNIER,
-        fit: Some(OwnFit { curve: "meunier_2008.csv", to: 10.0, arguments: "--unit MPa" }),
-        bulk_modulus: None,
+        fit: Some(OwnFit { curve: "meunier_2008.csv", to: 2.17, arguments: "--unit MPa" }),
+        bulk_modulus_of_source: None,
     },
     Entry {
         name: "Silicone of Xu & Liu 2020",
@@ -158,7 +171,7 @@ pub const ENTRIES: [Entry; 25] = [
         range: UNKNOWN,
         source: XU_LIU,
         fit: None,
-        bulk_modulus: Some(1000.0),
+        bulk_modulus_of_source: Some(1000.0),
     },
 ];
 

@@ -9,6 +9,7 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use pneuflex::calibration::bulk::largest_mean_stress;
 use pneuflex::calibration::clean::{Cleaned, clean};
 use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
 use pneuflex::calibration::fit::{
@@ -92,7 +93,8 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
     let (fits, not_fitted) = fit_all(&fitted, &arguments.fit_options(largest)?);
-    let material = material(arguments, &fits)?.map(|found| Material { fitted_to: largest_stretch(&fitted), ..found });
+    let material =
+        material(arguments, &fits, &fitted)?.map(|found| Material { fitted_to: largest_stretch(&fitted), ..found });
     let snippet = material.as_ref().map(|m| snippet_of(arguments, m, &fits, &tests));
 
     let stem = arguments.files[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -248,7 +250,7 @@ fn chosen(arguments: &FitArguments) -> Family {
 }
 
 /// The chosen law as a case file has it; `None` if the solver would refuse it.
-fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<Material>, InputError> {
+fn material(arguments: &FitArguments, fits: &[LawFit], tests: &[Test]) -> Result<Option<Material>, InputError> {
     let family = chosen(arguments);
     let of_fit = |fit: &LawFit| {
         let constants: Vec<f64> = fit.constants.iter().map(|constant| constant.value).collect();
@@ -257,7 +259,8 @@ fn material(arguments: &FitArguments, fits: &[LawFit]) -> Result<Option<Material
     let found =
         fits.iter().find(|f| f.law.family() == family).map(of_fit).filter(|m| m.problems("material").is_empty());
     // The options are checked whether or not there is something to use them for.
-    let bulk_modulus = arguments.bulk_modulus(found.as_ref().map_or(1.0, Material::shear_modulus))?;
+    let shear_modulus = found.as_ref().map_or(1.0, Material::shear_modulus);
+    let bulk_modulus = arguments.bulk_modulus(shear_modulus, largest_mean_stress(tests))?;
     Ok(found.map(|material| Material { bulk_modulus, ..material }))
 }
 

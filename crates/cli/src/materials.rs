@@ -154,11 +154,10 @@ fn table(index: usize) -> String {
     comments.push(WARNING.into());
     let [c10, c20, c30] = entry.constants;
     let material = model::Material::yeoh(c10, c20, c30);
-    let (bulk, comment) = match entry.bulk_modulus {
-        Some(bulk) => (bulk, "as in the source".to_owned()),
-        None => {
-            (snippet::BULK_RATIO * material.shear_modulus(), "1000 times the initial shear modulus (2 c10)".to_owned())
-        }
+    let bulk = entry.bulk_modulus();
+    let comment = match entry.bulk_modulus_of_source {
+        Some(_) => "as in the source".to_owned(),
+        None => format!("{:.0} times the initial shear modulus (2 c10)", bulk / material.shear_modulus()),
     };
     let fitted_to = entry.fit.map(|fit| fit.to);
     snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use pneuflex::calibration::bulk::{bulk_modulus, largest_mean_stress};
 use pneuflex::calibration::clean::{Cleaning, Cycles, clean};
 use pneuflex::calibration::curve::{
     self, ColumnChoice, Curve, DecimalSign, MAX_BYTES, Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit,
 };
 use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family};
 use pneuflex::calibration::law::{Family, Mode};
-use pneuflex::calibration::library::{ENTRIES, identifier};
+use pneuflex::calibration::library::{ENTRIES, Entry, identifier};
 use pneuflex::calibration::range::{largest_stretch, longest_range, up_to};
 use pneuflex::model::Material;
 use pneuflex::{Error, InputError, input_file};
@@ -123,7 +124,8 @@ pub fn fit(
         let found = law_of_family(wanted, &tests, residuals).and_then(|law| fit_law(law, &tests, &options));
         let found = found.map_err(|error| InputError::new(format!("{} cannot be fitted: {error}", wanted.name())))?;
         let material = Material::from(found.law.with_constants(&found.values()));
-        let material = Material { fitted_to: largest_stretch(&tests), ..material };
+        let bulk_modulus = bulk_modulus(material.shear_modulus(), largest_mean_stress(&tests));
+        let material = Material { fitted_to: largest_stretch(&tests), bulk_modulus, ..material };
         let problems = material.problems("material");
         if let Some(problem) = problems.first() {
             return Err(InputError::new(format!("the fitted constants cannot be used: {problem}")).into());
@@ -136,7 +138,7 @@ pub fn fit(
 /// Known silicones as JSON.
 #[pyfunction]
 pub fn materials(py: Python<'_>) -> PyResult<String> {
-    let entry = |(number, entry)| json!({ "identifier": identifier(number), "entry": entry });
+    let entry = |(number, entry): (usize, &Entry)| json!({ "identifier": identifier(number), "entry": entry, "bulk_modulus": entry.bulk_modulus() });
     let all: Vec<_> = ENTRIES.iter().enumerate().map(entry).collect();
     serde_json::to_string(&all).map_err(|error| wrong(py, error.to_string()))
 }

@@ -353,3 +353,37 @@ fn the_librarys_own_fits_are_those_of_the_stored_curves() {
     }
     assert_eq!(fitted, 17);
 }
+
+#[test]
+fn the_solver_pulls_along_the_fitted_curve_to_the_end_of_its_range() {
+    for entry in ENTRIES.iter().filter(|entry| entry.fit.is_some()) {
+        let own = entry.fit.unwrap();
+        let [c10, c20, c30] = entry.constants;
+        let material = pneuflex_model::Material {
+            bulk_modulus: entry.bulk_modulus(),
+            invariant: pneuflex_model::Invariant::Isochoric,
+            ..pneuflex_model::Material::yeoh(c10, c20, c30)
+        };
+        let solver = law_of(&material);
+        // The lateral stretch of a bar whose sides are free, by bisection.
+        let nominal = |stretch: f64| {
+            // P along and across the bar; the element adds κ (J − 1) cof F to the law's.
+            let stress = |lateral: f64| {
+                let gradient = [[stretch - 1.0, 0.0, 0.0], [0.0, lateral - 1.0, 0.0], [0.0, 0.0, lateral - 1.0]];
+                let p = solver.energy_and_stress(&Kinematics::new(&gradient).unwrap()).1;
+                let pressure = material.bulk_modulus * (stretch * lateral * lateral - 1.0);
+                [p[0][0] + pressure * lateral * lateral, p[2][2] + pressure * stretch * lateral]
+            };
+            let (mut low, mut high) = (0.9 * stretch.powf(-0.5), 1.1 * stretch.powf(-0.5));
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if stress(middle)[1] < 0.0 { low = middle } else { high = middle }
+            }
+            stress(low)[0]
+        };
+        let stretches = (1..=20).map(|i| 1.0 + (own.to - 1.0) * f64::from(i) / 20.0);
+        let error = |l: f64| (nominal(l) / Law::Yeoh.stress(&entry.constants, Mode::Uniaxial, l) - 1.0).abs();
+        let worst = stretches.map(error).fold(0.0, f64::max);
+        assert!(worst < 0.01, "{} to {}: {worst}", entry.name, own.to);
+    }
+}

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use pneuflex::calibration::bulk::bulk_modulus;
 use pneuflex::calibration::clean::{Cleaning, Cycles};
 use pneuflex::calibration::curve::{ColumnChoice, DecimalSign, ReadOptions, StrainMeasure, StressMeasure, StressUnit};
 use pneuflex::calibration::fit::{FitOptions, Residuals};
@@ -30,8 +31,8 @@ out, and said so. The confidence intervals suppose independent residuals, which 
 says by about how much they are too narrow.
 
 Printed and written to --out: fit.json (all numbers), fit.svg and fit.png (points and curves), material.toml (to paste into a case
-file). The bulk modulus is no result of these tests: it is set to 1000 times the initial shear modulus (Poisson's ratio 0.4995)
-unless --bulk-ratio, --poisson or --bulk-modulus says otherwise.
+file). The bulk modulus is no result of these tests: it is set to 1000 times the initial shear modulus (Poisson's ratio 0.4995), or
+to more where the volume would change by over 0.5 % at the largest stress of the tests, unless --bulk-ratio, --poisson or --bulk-modulus says otherwise.
 
 Exit codes: 0 done, 1 an output could not be written, 2 bad input, 3 no constants that a case file could use.";
 
@@ -96,7 +97,7 @@ pub struct FitArguments {
     /// Law of material.toml
     #[arg(long, default_value = "yeoh")]
     pub law: LawArgument,
-    /// Bulk modulus over initial shear modulus [default: 1000]
+    /// Bulk modulus over initial shear modulus [default: 1000, or what keeps the volume to 0.5 % at the largest stress]
     #[arg(long, value_name = "K/MU", group = "bulk")]
     bulk_ratio: Option<f64>,
     /// Poisson's ratio at rest, in place of --bulk-ratio
@@ -267,8 +268,8 @@ impl FitArguments {
         !self.to.is_empty()
     }
 
-    /// The bulk modulus for an initial shear modulus, MPa.
-    pub fn bulk_modulus(&self, shear_modulus: f64) -> Result<f64, InputError> {
+    /// The bulk modulus for an initial shear modulus and the largest mean stress of the tests, MPa.
+    pub fn bulk_modulus(&self, shear_modulus: f64, mean_stress: f64) -> Result<f64, InputError> {
         let positive = |name: &str, value: f64| {
             if value > 0.0 && value.is_finite() {
                 return Ok(value);
@@ -284,7 +285,8 @@ impl FitArguments {
         }
         match (self.bulk_modulus, self.bulk_ratio) {
             (Some(modulus), _) => positive("bulk-modulus", modulus),
-            (_, ratio) => Ok(shear_modulus * positive("bulk-ratio", ratio.unwrap_or(super::snippet::BULK_RATIO))?),
+            (_, Some(ratio)) => Ok(shear_modulus * positive("bulk-ratio", ratio)?),
+            _ => Ok(bulk_modulus(shear_modulus, mean_stress)),
         }
     }
 }

@@ -2,10 +2,6 @@
 
 use pneuflex::model::{Law, Material, OgdenTerm};
 
-/// Bulk modulus over initial shear modulus unless the user says otherwise: Poisson's ratio 0.4995. Silicones are stiffer in
-/// volume by far, but soft actuators do not notice, and the solver's penalty needs no more.
-pub const BULK_RATIO: f64 = 1000.0;
-
 /// The table of a law, with its comments.
 pub fn material(comments: &[String], material: &Material, bulk_comment: &str) -> String {
     let law = &material.law;

@@ -16,9 +16,6 @@ from . import _native
 from ._arrays import array_of, positive
 from ._errors import InputError
 
-BULK_RATIO = 1000.0
-"""Bulk modulus over initial shear modulus unless something else is said: Poisson's ratio 0.4995."""
-
 
 @dataclass(frozen=True)
 class Silicone:
@@ -52,7 +49,7 @@ def _library() -> tuple[Silicone, ...]:
     for row in json.loads(_native.materials()):
         entry = row["entry"]
         constants = dict(zip(("c10", "c20", "c30"), entry["constants"], strict=True))
-        bulk = entry["bulk_modulus"] or _rounded(BULK_RATIO * 2.0 * constants["c10"])
+        bulk = _rounded(row["bulk_modulus"])
         material = {"law": "yeoh", **constants, "bulk_modulus": bulk, "invariant": "isochoric"}
         if entry["fit"] is not None:
             material["fitted_to"] = entry["fit"]["to"]
@@ -170,7 +167,7 @@ def fit(
     keep_break: bool = False,
     keep_offset: bool = False,
     weights: Mapping[str, float] | None = None,
-    bulk_ratio: float = BULK_RATIO,
+    bulk_ratio: float | None = None,
     test: str | None = None,
     columns: str | None = None,
     unit: str | None = None,
@@ -205,7 +202,8 @@ def fit(
     weights
         By kind of test, e.g. ``{"planar": 2}``; each counts once otherwise, however many points it has.
     bulk_ratio
-        Bulk modulus over initial shear modulus, which is no result of such tests.
+        Bulk modulus over initial shear modulus, which is no result of such tests; if left out 1000, or what keeps the volume to 0.5 % at
+        their largest stress.
     test, columns, unit, strain, stress, decimal
         What files do not say, as the options of `pneuflex fit`: kind of test; columns such as ``"strain=2,stress=5"``; unit of stresses;
         measure of strain (``stretch``, ``engineering``, ``percent``, ``true``) and of stress (``nominal``, ``true``); ``point`` or ``comma``.
@@ -221,7 +219,7 @@ def fit(
         raise InputError("give at least one curve: a file, or (test, stretches, stresses)")
     if residuals not in ("absolute", "relative"):
         raise InputError(f'residuals = "{residuals}" must be absolute or relative')
-    bulk_ratio = positive(bulk_ratio, "bulk_ratio")
+    bulk_ratio = None if bulk_ratio is None else positive(bulk_ratio, "bulk_ratio")
     if not isinstance(law, str):
         raise InputError(f"law = {law!r} must be yeoh, neo-hooke, mooney-rivlin or ogden")
     for name, stretch in (("from_stretch", from_stretch), ("to_stretch", to_stretch)):
@@ -275,7 +273,8 @@ def fit(
         for constant in details["constants"]
     }
     material = dict(found_fit["material"])
-    material["bulk_modulus"] = _rounded(bulk_ratio * details["shear_modulus_mpa"])
+    bulk = material["bulk_modulus"] if bulk_ratio is None else bulk_ratio * details["shear_modulus_mpa"]
+    material["bulk_modulus"] = _rounded(bulk)
     material["invariant"] = "isochoric"
     return Fit(
         material["law"],
