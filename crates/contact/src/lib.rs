@@ -33,6 +33,7 @@ pub use contact_block::{ContactBlock, ContactPoint, Partner};
 pub use model::ContactModel;
 pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
+pub use stuck::{HeldInside, deepest_held};
 pub use surface::Surface;
 pub use surface_pair::SurfacePair;
 pub use touching::Touching;

@@ -38,6 +38,8 @@ pub enum Remedy {
     SelfContact,
     /// Obstacles that are stiffer.
     StifferObstacle,
+    /// Obstacles that do not come to what supports hold.
+    ClearOfSupports,
     /// A volume of air instead of its pressure.
     PumpVolume,
     /// A motion instead of a force.
@@ -115,6 +117,8 @@ pub enum Occasion {
     UnstableElements,
     /// Deep penetration of an obstacle.
     DeepObstacle,
+    /// An obstacle that comes into what supports hold.
+    HeldInObstacle,
     /// Deep penetration of walls.
     DeepContact,
     /// Deep penetration within faces whose gaps are closed on the mean.
@@ -159,7 +163,7 @@ pub enum Occasion {
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 40] = [
         Self::OutOfMemory,
         Self::BadEquations,
         Self::Rounding,
@@ -179,6 +183,7 @@ impl Occasion {
         Self::BeyondConstants,
         Self::UnstableElements,
         Self::DeepObstacle,
+        Self::HeldInObstacle,
         Self::DeepContact,
         Self::DeepAverages,
         Self::UnmetTolerance,
@@ -224,6 +229,7 @@ impl Occasion {
             Self::BeyondConstants => &[R::FittedConstants],
             Self::UnstableElements | Self::LinearElements => &[R::BetterElements, R::FinerMesh],
             Self::DeepObstacle => &[R::StifferObstacle],
+            Self::HeldInObstacle => &[R::ClearOfSupports],
             Self::DeepContact => &[R::StifferContact, R::PenetrationTolerance, R::FinerMesh],
             Self::UnmetTolerance => &[R::StifferContact],
             Self::NoContact | Self::DeepAverages => &[R::MultiPoint],

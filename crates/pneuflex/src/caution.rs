@@ -10,6 +10,7 @@ use pneuflex_model::{Asymmetry, BoxSide, Control, Curve, LoadParameter, Material
 
 use crate::advice::Occasion;
 use crate::diagnosis::{Warning, WarningKind};
+use crate::held_in_obstacle;
 use crate::vocabulary::Vocabulary;
 use crate::words::thousands;
 
@@ -53,6 +54,7 @@ pub fn cautions(
     found.extend(problem.asymmetries().iter().map(|twofold| two_of(problem, twofold)));
     found.extend(model.into_iter().flat_map(|model| regions(problem, model)));
     found.extend(probes.iter().filter_map(|probe| far_probe(problem, probe)));
+    found.extend(driven_into_supports(problem, end));
     found.extend(unusual_size(problem));
     found.extend(unusual_materials(problem, end));
     found.extend(unusual_loads(problem, end));
@@ -61,6 +63,7 @@ pub fn cautions(
             Occasion::PoorShapes => WarningKind::ElementShape,
             Occasion::Twofold => WarningKind::Symmetry,
             Occasion::FarProbe => WarningKind::Probe,
+            Occasion::HeldInObstacle => WarningKind::Penetration,
             _ => WarningKind::Units,
         };
         let advice = vocabulary.advice(occasion, problem);
@@ -148,6 +151,17 @@ fn far_probe(problem: &Problem, probe: &Probe) -> Option<Caution> {
     );
     let is_far = distance > FAR_PROBE * problem.mesh.extent();
     is_far.then(|| Caution::new(Occasion::FarProbe, message))
+}
+
+/// An obstacle that comes into what supports hold on its way, or supports that carry something into one.
+fn driven_into_supports(problem: &Problem, end: LoadParameter) -> Option<Caution> {
+    let of_obstacles = problem.obstacles.iter().filter_map(|obstacle| obstacle.motion.as_ref());
+    let of_supports = problem.supports.iter().filter_map(|support| support.motion.as_ref());
+    let curves = of_obstacles.chain(of_supports).map(|motion| &motion.curve);
+    let (since, worst_at) = held_in_obstacle::way_in(problem, bends(curves, end), end)?;
+    let clock = problem.clock;
+    let message = format!("from {} on {}", clock.words(since), held_in_obstacle::words(problem, worst_at)?);
+    Some(Caution::new(Occasion::HeldInObstacle, message))
 }
 
 fn is_unusual(value: f64, [low, high]: [f64; 2]) -> bool {

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::accuracy::{Expected, Fineness, Outside, Parameter, expected};
 use crate::advice::Occasion;
+use crate::held_in_obstacle;
 use crate::vocabulary::Vocabulary;
 use crate::words::plural;
 
@@ -148,7 +149,10 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
                 deepest(worst),
                 100.0 * deepest(worst) / thickness
             );
+            let held = held_in_obstacle::depth(subject.problem, worst.when());
             let occasion = match subject.problem.contact.method {
+                // No stiffness takes that out.
+                _ if held > deepest(worst) => Occasion::HeldInObstacle,
                 _ if deepest(worst) > worst.contact.max_penetration_mm => Occasion::DeepObstacle,
                 _ if has_averaged_gaps(subject.problem) => Occasion::DeepAverages,
                 ContactMethod::MultiPoint | ContactMethod::Mortar => Occasion::DeepContact,

@@ -133,6 +133,7 @@ pub mod error;
 mod files;
 pub mod folder;
 mod foreign;
+mod held_in_obstacle;
 mod holding;
 pub mod input_error;
 pub mod json;

@@ -7,6 +7,7 @@ use pneuflex_post::stress::{first_largest, recover};
 use serde::Serialize;
 
 use crate::advice::Occasion;
+use crate::held_in_obstacle;
 use crate::holding;
 use crate::vocabulary::Vocabulary;
 
@@ -45,6 +46,8 @@ pub enum ReasonKind {
     NotHeld,
     /// Contact does not settle: walls touch and part in turn.
     WallsCross,
+    /// An obstacle is in what supports hold.
+    HeldInObstacle,
     /// There is not enough memory.
     OutOfMemory,
     /// A tolerance of the residual is below the rounding.
@@ -73,6 +76,7 @@ pub fn explain(
                 .or_else(|| end.not_held())
                 .or_else(|| end.past_limit())
                 .or_else(|| end.unstable())
+                .or_else(|| end.held_in_obstacle())
                 .or_else(|| end.limit_point())
                 .or_else(|| end.passed_through())
                 .or_else(|| end.chatter())
@@ -92,7 +96,8 @@ struct End<'a> {
 
 impl End<'_> {
     fn reason(&self, kind: ReasonKind, occasion: Occasion, message: String) -> Reason {
-        let is_physical = matches!(kind, ReasonKind::MaterialLimit | ReasonKind::Instability);
+        use ReasonKind::{HeldInObstacle, Instability, MaterialLimit};
+        let is_physical = matches!(kind, MaterialLimit | Instability | HeldInObstacle);
         Reason { kind, is_physical, message, advice: self.vocabulary.advice(occasion, self.problem), occasion }
     }
 
@@ -235,6 +240,15 @@ impl End<'_> {
         let message = format!("the mesh becomes unstable beyond {}: {}", self.reached(), mesh_motions(motions));
         let occasion = if motions.is_volumetric() { Occasion::VolumetricMotion } else { Occasion::ElementMotion };
         self.reason(ReasonKind::MeshInstability, occasion, message)
+    }
+
+    /// What is asked for is impossible from where an obstacle comes into what supports hold; how far beyond it a mesh follows says nothing.
+    fn held_in_obstacle(&self) -> Option<Reason> {
+        let at = self.failure.reached;
+        let words =
+            held_in_obstacle::words(self.problem, at).filter(|_| held_in_obstacle::is_deep(self.problem, at))?;
+        let message = format!("no state is found beyond {}, and no body could have one: {words}", self.reached());
+        Some(self.reason(ReasonKind::HeldInObstacle, Occasion::HeldInObstacle, message))
     }
 
     /// A small change of the load makes a large one of the shape.
@@ -392,6 +406,22 @@ mod tests {
         let reason = reason(&failure(diverged(), Some(1.0)), &stretched).unwrap();
         assert_eq!((reason.kind, reason.is_physical), (ReasonKind::MaterialLimit, true));
         assert!(reason.message.contains("in element") && reason.message.contains("54.83"), "{}", reason.message);
+    }
+
+    /// What is held cannot keep out of an obstacle, however the iterations end.
+    #[test]
+    fn an_obstacle_in_what_supports_hold_is_a_reason_once_it_is_deep() {
+        let problem = crate::held_in_obstacle::tests::bar([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        let kind = |reached: f64, cause: Cause| {
+            let failure = Failure { reached: LoadParameter(reached), clock: Clock::Steps, ..failure(cause, None) };
+            let reason = explain(&problem, Vocabulary::MeshModel, &failure, &rest).unwrap();
+            (reason.kind, reason.is_physical)
+        };
+        let chatter = || Cause::ContactChatter { least: 1, most: 9 };
+        assert_eq!(kind(1.3, chatter()), (ReasonKind::WallsCross, false));
+        assert_eq!(kind(1.9, chatter()), (ReasonKind::HeldInObstacle, true));
+        assert_eq!(kind(1.9, Cause::Diverged { correction: 1.0 }), (ReasonKind::HeldInObstacle, true));
     }
 
     /// A body buckles, or its mesh is unstable.

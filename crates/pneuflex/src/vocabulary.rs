@@ -65,6 +65,9 @@ impl Vocabulary {
             Remedy::StifferObstacle if self == Self::Program => "raise the stiffness of the obstacle".into(),
             // A deck has no obstacles, a case and a model have tables of them.
             Remedy::StifferObstacle => "raise the stiffness of the [[obstacle]]".into(),
+            Remedy::ClearOfSupports => {
+                "keep the obstacle away from what supports hold, by a shorter way or in another direction".into()
+            }
             Remedy::PenetrationTolerance if self == Self::CaseFile => "set contact.penetration_tolerance".into(),
             Remedy::MultiPoint if self == Self::CaseFile => "set contact.method = \"multi-point\"".into(),
             Remedy::SelfContact if self == Self::CaseFile => "set contact.self_contact = true".into(),

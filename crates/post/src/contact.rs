@@ -7,6 +7,8 @@ use pneuflex_contact::{AverageGap, ContactBlock, ContactModel, Partner, Touching
 use pneuflex_mesh::Facet;
 use pneuflex_model::{ContactPair, LoadParameter, Problem};
 
+pub use pneuflex_contact::{HeldInside, deepest_held};
+
 use crate::error::{PostError, check};
 use crate::search::Surface;
 use crate::surface::Patch;

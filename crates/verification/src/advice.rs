@@ -218,6 +218,18 @@ const fn cube(tables: &'static str) -> Input {
 /// A cube on its foot.
 const FOOT: &str = "[[support]]\nnodes = \"z0\"\naxes = \"xyz\"\n";
 
+/// A cantilever that a table lifts by 0.4 mm at its end.
+macro_rules! lifted {
+    ($normal:literal) => {
+        concat!(
+            "[[support]]\nnodes = \"x0\"\naxes = \"xyz\"\n[[obstacle]]\nname = \"table\"\nshape = \"plane\"\nfaces = \"z0\"\n",
+            "point = [10, 0, -0.1]\ndisplacement = [0, 0, 0.5]\nnormal = ",
+            $normal,
+            "\n"
+        )
+    };
+}
+
 /// A cube on its foot with equations for the motion of its tip.
 macro_rules! with_tip {
     ($more:literal) => {
@@ -488,6 +500,13 @@ fn rows() -> Vec<Row> {
                     "[{ name = \"table\", shape = \"plane\", normal = [0, 0, 1], faces = \"z0\", point = [0, 0, 0], stiffness = 10.0 }]",
                 )],
             ),
+            Gone,
+        ),
+        row(
+            O::HeldInObstacle,
+            R::ClearOfSupports,
+            (cantilever(COARSE, lifted!("[0, 0, 1]")), &[]),
+            (cantilever(COARSE, lifted!("[-0.1, 0, 1]")), &[]),
             Gone,
         ),
         row(

@@ -28,7 +28,7 @@ pub struct Checked {
     pub verdict: Result<(), String>,
 }
 
-const ALL: [Known; 16] = [
+const ALL: [Known; 18] = [
     Known { file: "cases/gravity_y_half.toml", changes: &[], is_quick: true, check: wants_the_whole },
     Known {
         file: "cases/gravity_y_half.toml",
@@ -113,6 +113,26 @@ const ALL: [Known; 16] = [
         is_quick: true,
         check: |outcome| close("strain energy, mJ", last(&outcome)?.strain_energy_mj.into(), 1e-6 / 24.0, 1e-5),
     },
+    Known {
+        file: "stops/obstacle_at_clamp.toml",
+        changes: &[],
+        is_quick: false,
+        check: |outcome| match outcome {
+            Err(Error::NotConverged(ended)) if ended.to_string().contains("comes into what supports hold") => Ok(()),
+            Err(error) => Err(format!("the plane has come into the clamp, not: {error}")),
+            Ok(_) => Err("the plane has come into the clamp, but it is taken".to_owned()),
+        },
+    },
+    // Clear of the clamp.
+    Known {
+        file: "stops/obstacle_at_clamp.toml",
+        changes: &[("obstacle", TILTED)],
+        is_quick: false,
+        check: |outcome| {
+            let state = last(&outcome)?;
+            close("angle, degrees", state.end_face_angle_deg, -18.62, 1e-3)
+        },
+    },
     // The mesh that it was found with takes 43 s; elements of 8 mm end in the same way in an eighth of that.
     Known {
         file: "stops/tet10_inverted_landing.toml",
@@ -125,6 +145,10 @@ const ALL: [Known; 16] = [
         },
     },
 ];
+
+/// A plane that meets the free end first.
+const TILTED: &str = "[{ name = \"thing\", shape = \"plane\", point = [19.1361, 0.0, -0.9507], normal = [-0.4, 0.0, 1.0], \
+    displacement = [-2.66, 0.0, 6.65], factor = [[0, 0], [1, 0], [2, 1]] }]";
 
 /// Solves those that are quick, or all.
 pub fn run(effort: Effort, observe: &dyn Fn(&Checked)) -> Vec<Checked> {
