@@ -153,7 +153,7 @@ fn load(folder: &OutputFolder, analysis: &Analysis) -> Result<Start, InputError>
     if loaded.version != env!("CARGO_PKG_VERSION") {
         return Err(again(format!("the results there are of pneuflex {}", loaded.version)));
     }
-    if loaded.path.arc.is_past_limit() && analysis.solver.continuation == Continuation::Load {
+    if loaded.path.arc.is_past_limit() && analysis.solver.continuation != Continuation::ArcLength {
         let what =
             "the path there has passed a limit point, which only solver.continuation = \"arc-length\" goes on from";
         return Err(again(what.to_owned()));
