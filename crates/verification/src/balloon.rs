@@ -216,8 +216,8 @@ mod tests {
     #[test]
     fn a_stiffening_balloon_snaps_to_its_second_branch() {
         let Law::Yeoh { c10, .. } = neo_hookean().law else { unreachable!() };
-        let stiffening = Material { law: Law::Yeoh { c10, c20: 0.0, c30: 4e-3 * c10 }, ..neo_hookean() };
-        let greatest = (1..100).map(|i| wall_pressure(&stiffening, 1.0 + 0.01 * f64::from(i))).fold(0.0, f64::max);
+        let stiffening = Material { law: Law::Yeoh { c10, c20: 0.0, c30: 1e-3 * c10 }, ..neo_hookean() };
+        let greatest = (1..90).map(|i| wall_pressure(&stiffening, 1.0 + 0.01 * f64::from(i))).fold(0.0, f64::max);
         let wanted = 1.05 * greatest;
         let (mut low, mut high) = (1.0 + 1.0, 4.0);
         for _ in 0..60 {
@@ -225,7 +225,7 @@ mod tests {
             if wall_pressure(&stiffening, middle) < wanted { low = middle } else { high = middle }
         }
         assert!(
-            (1..10).any(|i| wall_pressure(&stiffening, 1.6 + 0.1 * f64::from(i)) < 0.97 * greatest),
+            (1..20).any(|i| wall_pressure(&stiffening, 1.6 + 0.1 * f64::from(i)) < 0.97 * greatest),
             "no limit point"
         );
         let mut problem = sphere(Formulation::Hex27, stiffening.clone(), [2, 2]);
