@@ -93,6 +93,9 @@ pub trait Contribution: Send + Sync {
         None
     }
 
+    /// Dampers take 1/Δτ of the step of pseudo-time that follows; 0 lets them rest.
+    fn damp(&mut self, _rate: f64) {}
+
     /// The position taken last has become the state of equilibrium: history follows.
     fn commit(&mut self) {}
 

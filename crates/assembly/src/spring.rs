@@ -1,6 +1,6 @@
-//! Weak springs that hold what only contact holds until contact does.
+//! Springs and dampers at nodes: weak springs that hold what only contact holds until contact does, dampers that hold back a body that snaps.
 //!
-//! Every node of such a part is tied to where it was when the step began, u₀, with the energy ½ c ‖u − u₀‖². Solved again and again from where the
+//! Every node of such a part, or of a body that snaps, is tied to where it was when the step began, u₀, with the energy ½ c ‖u − u₀‖². Solved again and again from where the
 //! last solution ended (the proximal point method: Rockafellar 1976, *SIAM J. Control Optim.* 14), an equilibrium of the body alone is what does not move any more: the springs carry nothing there, whatever their stiffness.
 //! Motions that nothing resists, as those of a block along a plane without friction, stay where they are.
 
@@ -16,24 +16,44 @@ pub struct NodeSprings {
     stiffness: Vec<f64>,
     /// Displacements to which nodes are tied, mm, one entry per node.
     anchors: Vec<[f64; 3]>,
+    /// Whether they are dampers.
+    is_damping: bool,
+    /// What stiffnesses count times.
+    factor: f64,
 }
 
 impl NodeSprings {
     /// Springs at some nodes, with the stiffness of each, N/mm. Nodes begin tied to where they are at rest.
     pub fn new(springs: &[(u32, f64)], num_nodes: usize) -> Self {
         let (nodes, stiffness) = springs.iter().map(|&(node, stiffness)| ([node], stiffness)).unzip();
-        Self { nodes, stiffness, anchors: vec![[0.0; 3]; num_nodes] }
+        Self { nodes, stiffness, anchors: vec![[0.0; 3]; num_nodes], is_damping: false, factor: 1.0 }
+    }
+
+    /// Dampers at some nodes, with the damping constant of each, N per mm of motion in a unit of pseudo-time: a step of pseudo-time Δτ is one of
+    /// springs that are 1/Δτ times as stiff (implicit Euler). They rest until they are [told](Contribution::damp).
+    pub fn dampers(constants: &[(u32, f64)], num_nodes: usize) -> Self {
+        Self { is_damping: true, factor: 0.0, ..Self::new(constants, num_nodes) }
+    }
+
+    /// Stiffness of a spring, N/mm.
+    fn stiffness(&self, spring: usize) -> f64 {
+        self.factor * self.stiffness[spring]
+    }
+
+    /// How far a spring's node is from where it is tied, mm.
+    fn elongation(&self, spring: usize, displacement: &[[f64; 3]]) -> [f64; 3] {
+        let node = self.nodes[spring][0] as usize;
+        std::array::from_fn(|k| displacement[node][k] - self.anchors[node][k])
     }
 
     fn force(&self, spring: usize, displacement: &[[f64; 3]]) -> [f64; 3] {
-        let node = self.nodes[spring][0] as usize;
-        std::array::from_fn(|k| self.stiffness[spring] * (displacement[node][k] - self.anchors[node][k]))
+        self.elongation(spring, displacement).map(|x| self.stiffness(spring) * x)
     }
 }
 
 impl Contribution for NodeSprings {
     fn name(&self) -> &'static str {
-        "springs"
+        if self.is_damping { "dampers" } else { "springs" }
     }
 
     fn set_position(&mut self, _position: Position<'_>) {}
@@ -48,7 +68,13 @@ impl Contribution for NodeSprings {
 
     fn vanishing_forces(&self, displacement: &[[f64; 3]]) -> Option<Vec<(u32, [f64; 3])>> {
         let force = |spring: usize| (self.nodes[spring][0], self.force(spring, displacement));
-        (!self.nodes.is_empty()).then(|| (0..self.nodes.len()).map(force).collect())
+        (!self.nodes.is_empty() && self.factor > 0.0).then(|| (0..self.nodes.len()).map(force).collect())
+    }
+
+    fn damp(&mut self, rate: f64) {
+        if self.is_damping {
+            self.factor = rate;
+        }
     }
 }
 
@@ -68,8 +94,9 @@ impl LocalContribution for NodeSprings {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        let (force, stiffness) = (self.force(block, displacement), self.stiffness[block]);
-        out.energy += 0.5 * force.iter().map(|f| f * f).sum::<f64>() / stiffness;
+        let (elongation, stiffness) = (self.elongation(block, displacement), self.stiffness(block));
+        let force = elongation.map(|x| stiffness * x);
+        out.energy += 0.5 * stiffness * elongation.iter().map(|x| x * x).sum::<f64>();
         if request >= Request::Residual {
             (0..3).for_each(|k| out.residual[0][k] += force[k]);
         }

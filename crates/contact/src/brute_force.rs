@@ -4,7 +4,7 @@ use pneuflex_mesh::shape;
 
 use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
-use crate::self_contact::{SlavePoint, are_neighbours, blocks, counts};
+use crate::self_contact::{SlavePoint, are_neighbours, blocks, counts, covers};
 use crate::surface::Surface;
 
 /// A point that touches, as [`feet`] finds it.
@@ -45,11 +45,18 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
             let all: Vec<(usize, Projection)> =
                 (0..master.num_faces()).filter(|&m| is_stranger(m)).filter_map(foot_on).collect();
             let is_outside = |foot: &Projection| foot.excess > EDGE_TOLERANCE;
+            // Rule 5 looks at the neighbours of the point's face, too.
+            let is_covered = |face: usize| {
+                (0..master.num_faces())
+                    .filter(|&m| m != face && are_neighbours(master.face(face), master.face(m)))
+                    .any(|m| foot_on(m).is_some_and(|(_, foot)| covers(&foot, surface_pair.reach)))
+            };
             let nearest = (all.iter())
                 .filter(|(_, foot)| foot.excess <= EXTENSION)
                 .filter(|(m, foot)| {
                     !surface_pair.is_self_contact
                         || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position)
+                            && !(is_outside(foot) && is_covered(*m))
                 })
                 .min_by(|(_, a), (_, b)| {
                     (is_outside(a).cmp(&is_outside(b))).then(a.distance.abs().total_cmp(&b.distance.abs()))

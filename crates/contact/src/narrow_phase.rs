@@ -10,7 +10,7 @@ use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
 use crate::segments::{Sample, samples};
-use crate::self_contact::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts};
+use crate::self_contact::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts, covers};
 use crate::surface::Surface;
 use crate::surface_pair::SurfacePair;
 
@@ -149,7 +149,7 @@ impl<'a> Facing<'a> {
                     let [normal, normal_at_rest] = [&geometry, &at_rest].map(|g| unit_normal(&g.tangents).0);
                     SlavePoint { at_rest: at_rest.position, normal_at_rest, normal }
                 });
-                let found = self.closest(&candidates, &mut order, geometry.position, slave_point.as_ref());
+                let found = self.closest([&candidates, &near], &mut order, geometry.position, slave_point.as_ref());
                 let Some((master_face, foot)) = found else { continue };
                 if foot.distance >= self.margin + room(first + index) || foot.distance < -*reach {
                     continue;
@@ -220,6 +220,17 @@ impl<'a> Facing<'a> {
             })
     }
 
+    /// Rule 5 of [`crate::self_contact`], for a foot beyond the edges of a face.
+    fn is_covered(&self, face: usize, near: &[usize], point: [f64; 3]) -> bool {
+        let SurfacePair { master, reach, .. } = self.surface_pair;
+        near.iter().any(|&m| {
+            m != face
+                && are_neighbours(master.face(face), master.face(m))
+                && distance_to_box(point, &self.boxes[m]) <= *reach
+                && self.project(m, point).is_some_and(|other| covers(&other, *reach))
+        })
+    }
+
     fn project(&self, face: usize, point: [f64; 3]) -> Option<Projection> {
         let master = &self.surface_pair.master;
         project(master.kind, &master.face_positions(face, self.positions)[..master.kind.num_nodes()], point)
@@ -231,7 +242,7 @@ impl<'a> Facing<'a> {
     /// best foot.
     fn closest(
         &self,
-        candidates: &[usize],
+        [candidates, near]: [&[usize]; 2],
         order: &mut Vec<(f64, usize)>,
         point: [f64; 3],
         slave: Option<&SlavePoint>,
@@ -250,7 +261,10 @@ impl<'a> Facing<'a> {
             let Some(foot) = self.project(face, point) else { continue };
             if foot.excess <= EXTENSION
                 && best.as_ref().is_none_or(|(b, p)| rank(face, &foot) < rank(*b, p))
-                && slave.is_none_or(|slave| counts(slave, &foot, self.at_rest(face, &foot)))
+                && slave.is_none_or(|slave| {
+                    counts(slave, &foot, self.at_rest(face, &foot))
+                        && !(is_outside(&foot) && self.is_covered(face, near, point))
+                })
             {
                 best = Some((face, foot));
             }

@@ -9,7 +9,10 @@
 //! 3. the point is no deeper behind the foot's face than a twentieth of their distance at rest, wherever the way from point to foot at
 //!    rest starts into the body, N_s · (X_m − X_s) < 0;
 //! 4. no face between the two looks away from the point: if one with n_s · n > 0 is nearer and the point lies in front of it, then the
-//!    point is outside of the body that the foot belongs to, and the foot is on that body's far side.
+//!    point is outside of the body that the foot belongs to, and the foot is on that body's far side;
+//! 5. where it lies beyond the edges of its face, no face beside that one has the point straight in front of it. Faces are continued to bridge
+//!    the wedge behind a ridge; a point in front of the face that follows is not in it, also if that face does not count by the other rules. The
+//!    continuation of a face that is bent, at the corner of a cavity that is sucked in, otherwise comes before the points beside it.
 //!
 //! The third rule tells a wall's other side from contact by what the material does, not by a length chosen beforehand. What lies
 //! across the wall at rest is the wall's thickness t away; for it to be found less than t/20 behind, the wall would have to be
@@ -22,7 +25,7 @@ use std::collections::BTreeSet;
 
 use pneuflex_mesh::shape;
 
-use crate::projection::{EXTENSION, Projection, cross, dot, face_geometry, sub, unit_normal};
+use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, cross, dot, face_geometry, sub, unit_normal};
 use crate::surface::Surface;
 
 /// Largest share of their distance at rest that a point may lie behind a foot across its own body.
@@ -103,6 +106,12 @@ pub fn counts(point: &SlavePoint, foot: &Projection, foot_at_rest: [f64; 3]) -> 
     let length = dot(way, way).sqrt();
     let goes_in = dot(way, point.normal_at_rest) < -ALONG * length;
     dot(point.normal, foot.normal) < OPPOSED && !(goes_in && foot.distance < -DEPTH_SHARE * length)
+}
+
+/// Whether a foot beside the edge of another face shows that a point is in front of this one's face, and not in the wedge behind the edge.
+/// Faces further away than `reach` are not looked at, mm.
+pub fn covers(foot: &Projection, reach: f64) -> bool {
+    foot.excess <= EDGE_TOLERANCE && foot.distance > 0.0 && foot.distance <= reach
 }
 
 /// Whether a foot of a point with the unit normal `normal` shows that the point is outside of what lies further behind it than `depth`.

@@ -142,6 +142,8 @@ pub enum Continuation {
     Load,
     /// The length of the path: the load parameter is found, and may fall.
     ArcLength,
+    /// The load parameter; where the path ends, the body snaps, held back by dampers, to its next stable equilibrium.
+    Damped,
 }
 
 /// What is written besides the summary.

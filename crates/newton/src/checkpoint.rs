@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::arc::ArcMemory;
 use crate::contributions::CavityPressures;
 use crate::error::{Misfit, SetupError};
-use crate::history::{Augmentation, Bifurcation, ConvergedState};
+use crate::history::{Augmentation, Bifurcation, ConvergedState, Snap};
 use crate::linearisation::Linearisation;
 use crate::state::State;
 use crate::timing::Timing;
@@ -66,6 +66,9 @@ pub struct Checkpoint {
     /// Where the path has left a branch since the last state that was told of.
     #[serde(default)]
     pub bifurcations: Vec<Bifurcation>,
+    /// How the body has snapped since the last state that was told of.
+    #[serde(default)]
+    pub snaps: Vec<Snap>,
 }
 
 /// The way to a requested position.
@@ -103,6 +106,7 @@ impl Checkpoint {
             displacement: state.displacement,
             mesh_motions: self.mesh_motions,
             bifurcations: self.bifurcations.clone(),
+            snaps: self.snaps.clone(),
         })
     }
 

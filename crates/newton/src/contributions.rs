@@ -6,11 +6,11 @@ use pneuflex_model::load::Load;
 use pneuflex_model::{LinearEquation, Pressure, Problem};
 
 use crate::error::SetupError;
-use crate::holding_springs::springs_of;
+use crate::holding_springs::{dampers_of, springs_of};
 use crate::state::State;
 
 /// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations,
-/// springs of what contact holds, contact. A new
+/// springs of what contact holds, contact, dampers of a body that may snap (`is_damped`). A new
 /// kind of contribution is added here. `equations` are the linear equations that have not been eliminated.
 ///
 /// # Errors
@@ -18,6 +18,7 @@ use crate::state::State;
 pub fn contributions_of(
     problem: &Problem,
     equations: &[LinearEquation],
+    is_damped: bool,
 ) -> Result<Vec<Box<dyn Contribution>>, SetupError> {
     let (materials, material_of) = problem.materials();
     let solid = Solid::of_materials(problem.mesh.clone(), problem.formulation, &materials, material_of)?;
@@ -34,6 +35,9 @@ pub fn contributions_of(
     list.push(Box::new(Equations::of(problem, equations)));
     list.push(Box::new(NodeSprings::new(&springs_of(problem), problem.mesh.num_nodes())));
     list.push(Box::new(ContactForces::of(problem)));
+    if is_damped {
+        list.push(Box::new(NodeSprings::dampers(&dampers_of(problem), problem.mesh.num_nodes())));
+    }
     Ok(list)
 }
 

@@ -60,6 +60,27 @@ pub struct ConvergedState {
     pub mesh_motions: Option<UnstableMotions>,
     /// Where the path has left a branch since the state before.
     pub bifurcations: Vec<Bifurcation>,
+    /// How the body has snapped since the state before.
+    pub snaps: Vec<Snap>,
+}
+
+/// A jump of the body from one equilibrium to another one under the same loads, held back by dampers that rest at both.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snap {
+    /// Position of the last equilibrium before it.
+    pub from: LoadParameter,
+    /// Position of the equilibrium after it.
+    pub to: LoadParameter,
+    /// Node that it moved furthest.
+    pub node: usize,
+    /// Where that was at rest, mm.
+    pub place: [f64; 3],
+    /// How far it moved, mm.
+    pub moved: f64,
+    /// Work that the dampers did on the body, less their sign, mJ: what the loads and the body had to spare.
+    pub released: f64,
+    /// Steps of pseudo-time.
+    pub steps: usize,
 }
 
 /// Where a path left a branch of equilibria that becomes unstable for another one.

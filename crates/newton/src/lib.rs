@@ -49,7 +49,7 @@ pub use checkpoint::Checkpoint;
 pub use error::{AssembleError, ResumeError, SetupError};
 pub use event::{Event, Observer};
 pub use failure::{Cause, Failure, Stability};
-pub use history::{Augmentation, Bifurcation, ConvergedState, IterationRecord};
+pub use history::{Augmentation, Bifurcation, ConvergedState, IterationRecord, Snap};
 pub use holding_springs::springs_of;
 pub use path::{Path, follow_path};
 pub use rigid_motion::{LoosePart, loose_parts};

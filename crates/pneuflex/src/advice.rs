@@ -159,6 +159,8 @@ pub enum Occasion {
     PastLimit,
     /// A body that buckled, and was followed.
     Buckled,
+    /// A body that snapped.
+    Snapped,
 }
 
 impl Occasion {
@@ -204,6 +206,7 @@ impl Occasion {
         Self::HardlyMoves,
         Self::PastLimit,
         Self::Buckled,
+        Self::Snapped,
     ];
 
     /// What helps, the best first. A remedy that a kind of file or problem has not is left out where advice is given.
@@ -244,7 +247,7 @@ impl Occasion {
             Self::Bulk => &[R::BulkModulus],
             Self::Pressure => &[R::Pressures],
             Self::Acceleration => &[R::Accelerations],
-            Self::PastLimit => &[R::SmallerLoad],
+            Self::PastLimit | Self::Snapped => &[R::SmallerLoad],
             Self::Buckled => &[R::SmallerLoad, R::Stockier],
             Self::HardlyMoves => &[R::Moduli, R::Pressures],
         }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use pneuflex_model::Problem;
-use pneuflex_newton::{Bifurcation, ConvergedState};
+use pneuflex_newton::{Bifurcation, ConvergedState, Snap};
 use pneuflex_post::fields;
-use pneuflex_post::summary::{self, BifurcationSummary, Described, ProbeSite, State};
+use pneuflex_post::summary::{self, BifurcationSummary, Described, ProbeSite, SnapSummary, State};
 
 use crate::error::ResultsError;
 use crate::reason::mesh_motions;
@@ -29,6 +29,15 @@ pub fn describe(
         pushed_mm: left.size,
     };
     described.summary.bifurcations = equilibrium.bifurcations.iter().map(summary).collect();
+    let parts = problem.parts_of_whole() as f64;
+    let summary = |snap: &Snap| SnapSummary {
+        at: snap.from,
+        to: snap.to,
+        near_mm: snap.place,
+        moved_mm: snap.moved,
+        released_mj: parts * snap.released,
+    };
+    described.summary.snaps = equilibrium.snaps.iter().map(summary).collect();
     if equilibrium.mesh_motions.is_none() {
         described.summary.unstable_motions = equilibrium.negative_pivots;
     }

@@ -80,6 +80,8 @@ pub enum WarningKind {
     LimitPoint,
     /// The body buckles, and the path was led along the softest motion.
     Bifurcation,
+    /// The body snaps to another equilibrium under the same loads.
+    Snap,
 }
 
 /// What results are about.
@@ -130,6 +132,9 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     }
     if let (Some(first), _) = first_and_last(steps, |step| !step.bifurcations.is_empty()) {
         add(WarningKind::Bifurcation, Some(first), buckled(subject, steps), Occasion::Buckled);
+    }
+    if let (Some(first), _) = first_and_last(steps, |step| !step.snaps.is_empty()) {
+        add(WarningKind::Snap, Some(first), snapped(subject, steps), Occasion::Snapped);
     }
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.unmet_tolerance.is_some()) {
         let message = format!(
@@ -222,6 +227,24 @@ fn buckled(subject: Subject<'_>, steps: &[StepSummary]) -> String {
     format!(
         "the body buckles {}; the results beyond are those of one of the shapes that it may take, its motions are in fields/mode_*.vtu",
         places.join(", then ")
+    )
+}
+
+/// What is said of a body that snapped.
+fn snapped(subject: Subject<'_>, steps: &[StepSummary]) -> String {
+    let jumps: Vec<String> = (steps.iter().flat_map(|step| &step.snaps))
+        .map(|snap| {
+            let [x, y, z] = snap.near_mm;
+            let at = subject.problem.clock.words(snap.at);
+            format!(
+                "at {at}, by {:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm, giving up {:.2e} mJ",
+                snap.moved_mm, snap.released_mj
+            )
+        })
+        .collect();
+    format!(
+        "the body snaps {}; between there is no state at which it stays, and with little damping a real body may swing on to another one",
+        jumps.join(", then ")
     )
 }
 

@@ -73,6 +73,7 @@ mod tests {
             negative_pivots: 0,
             arc: ArcMemory::default(),
             bifurcations: Vec::new(),
+            snaps: Vec::new(),
         }
     }
 

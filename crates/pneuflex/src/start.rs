@@ -119,7 +119,7 @@ impl Earlier<'_> {
                 .into());
         }
         let Some((recorded, path)) = (self.step)()? else { return Ok(Start::AtRest) };
-        if path.arc.is_past_limit() && analysis.solver.continuation == Continuation::Load {
+        if path.arc.is_past_limit() && analysis.solver.continuation != Continuation::ArcLength {
             return Err(
                 "the path there has passed a limit point, which only solver.continuation = \"arc-length\" goes on from"
                     .into(),

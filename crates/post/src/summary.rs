@@ -105,6 +105,24 @@ pub struct StepSummary {
     /// Where the body has buckled since the state before; left out if it has not.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bifurcations: Vec<BifurcationSummary>,
+    /// How the body has snapped since the state before; left out if it has not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub snaps: Vec<SnapSummary>,
+}
+
+/// A jump of the body from one equilibrium to another one under the same loads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SnapSummary {
+    /// Position on the load path of the last equilibrium before: the pressure in kPa of an actuator, else a time.
+    pub at: LoadParameter,
+    /// The same of the equilibrium after it.
+    pub to: LoadParameter,
+    /// Place that moved furthest, at rest, mm.
+    pub near_mm: [f64; 3],
+    /// How far, mm.
+    pub moved_mm: f64,
+    /// Energy that body and loads gave up, mJ.
+    pub released_mj: f64,
 }
 
 /// Where a body buckled, and the path left the branch that becomes unstable there.
@@ -310,6 +328,7 @@ pub fn describe(
         kind: StateKind::default(),
         unstable_motions: 0,
         bifurcations: Vec::new(),
+        snaps: Vec::new(),
     };
     check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })

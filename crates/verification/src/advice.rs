@@ -124,6 +124,8 @@ const STRUT: Input = block(Formulation::Hex20, [20.0, 2.0, 1.0], [8, 1, 1], PUSH
 const STRAIGHT: Changes = &[MORE, ("solver.max_step", "0.2")];
 const BUCKLES: Changes = &[MORE, ("solver.max_step", "0.2"), ("solver.imperfection", "0.1")];
 const LESS: Changes = &[("force", "[{ nodes = \"x1\", total = [-0.0005, 0, 0] }]"), ("solver.imperfection", "0.1")];
+const SNAPS: Changes = &[MORE, ("solver.max_step", "0.2"), ("solver.continuation", "damped")];
+const RESTS: Changes = &[LESS[0], ("solver.continuation", "damped")];
 const MORE: (&str, &str) = ("force", "[{ nodes = \"x1\", total = [-0.0008, 0, 0] }]");
 
 /// A flat membrane with clamped edges, blown up.
@@ -320,6 +322,7 @@ fn rows() -> Vec<Row> {
             Gone,
         ),
         row(O::Buckled, R::SmallerLoad, (STRUT, BUCKLES), (STRUT, LESS), Gone),
+        row(O::Snapped, R::SmallerLoad, (STRUT, SNAPS), (STRUT, RESTS), Gone),
         row(O::FirstStep, R::SmallerSteps, (STRUT, one_step), (STRUT, small_first), To(O::Buckling, 0.0)),
         row(
             O::ElementMotion,

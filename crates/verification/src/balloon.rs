@@ -212,6 +212,51 @@ mod tests {
         assert!(states.last().unwrap().1 > 2.5, "{states:?}");
     }
 
+    /// A wall that stiffens has a second branch: beyond the greatest pressure of the first one the balloon snaps to it.
+    #[test]
+    fn a_stiffening_balloon_snaps_to_its_second_branch() {
+        let Law::Yeoh { c10, .. } = neo_hookean().law else { unreachable!() };
+        let stiffening = Material { law: Law::Yeoh { c10, c20: 0.0, c30: 1e-3 * c10 }, ..neo_hookean() };
+        let greatest = (1..90).map(|i| wall_pressure(&stiffening, 1.0 + 0.01 * f64::from(i))).fold(0.0, f64::max);
+        let wanted = 1.05 * greatest;
+        let (mut low, mut high) = (1.0 + 1.0, 4.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if wall_pressure(&stiffening, middle) < wanted { low = middle } else { high = middle }
+        }
+        assert!(
+            (1..20).any(|i| wall_pressure(&stiffening, 1.6 + 0.1 * f64::from(i)) < 0.97 * greatest),
+            "no limit point"
+        );
+        let mut problem = sphere(Formulation::Hex27, stiffening.clone(), [2, 2]);
+        problem.cavities[0].control = Control::Pressure(Curve::Proportional(0.001));
+        problem.clock = Clock::Pressure;
+        let (node, _) = problem.mesh.nearest_node([RADII[0], 0.0, 0.0]).unwrap();
+        let settings = Solver {
+            first_step: 5.0,
+            max_step: 1000.0 * greatest,
+            min_step: 0.01,
+            continuation: Continuation::Damped,
+            ..Solver::default()
+        };
+        let (mut states, requested) = (Vec::new(), [900.0 * greatest, 1000.0 * wanted]);
+        follow_path(&problem, &requested, &settings, &mut |event| {
+            if let Event::Converged(state) = event {
+                states.push((1.0 + state.displacement[node][0] / RADII[0], state.negative_pivots, state.snaps.clone()));
+            }
+        })
+        .unwrap_or_else(|ended| panic!("{}", ended.0));
+        println!("{states:?}, {low} in closed form");
+        let [(_, _, before), (stretch, unstable, snaps)] = &states[..] else { panic!("{states:?}") };
+        assert!(before.is_empty() && *unstable == 0);
+        assert!((stretch / low - 1.0).abs() < 2e-3, "{stretch} {low}");
+        assert_eq!(snaps.len(), 1);
+        assert!(
+            (snaps[0].from.0 / (1e3 * greatest) - 1.0).abs() < 2e-3 && snaps[0].moved > 0.5 * RADII[0],
+            "{snaps:?}"
+        );
+    }
+
     #[test]
     fn the_pressure_has_its_maximum_between_the_stretches() {
         let at = |stretch: f64| pressure(&neo_hookean(), (stretch - 1.0) * RADII[0]);

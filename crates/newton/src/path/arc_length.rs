@@ -3,6 +3,7 @@
 use pneuflex_model::{LoadParameter, StateKind};
 
 use super::newton::Driven;
+use super::predictor::LONGER;
 use super::step_control::{Attempt, CRUMB};
 use super::{Converged, Path, Target};
 use crate::arc::{self, ArcEquation, ArcKind, Direction};
@@ -18,9 +19,6 @@ const TURNED: f64 = 0.5;
 
 /// Steps that are no longer than this many times the least one may turn as far as this: where contact begins, a path has a corner.
 const CORNER: (f64, f64) = (100.0, 0.0);
-
-/// A step of a given load that is this many times as long as along the path's direction may have come to another branch, too.
-const LONGER: f64 = 2.0;
 
 /// A limit point is found when the load parameter differs by less than this share from its extreme value,
 const LIMIT_TOLERANCE: f64 = 1e-6;

@@ -86,7 +86,9 @@ impl Path {
         let change = difference(&state.displacement, &start.displacement);
         let share = dot(&change, mode) / (size * dot(mode, mode));
         let goes_on = match self.settings.continuation {
-            Continuation::Load => found.equilibrium.negative_pivots == 0 && state.parameter > start.parameter,
+            Continuation::Load | Continuation::Damped => {
+                found.equilibrium.negative_pivots == 0 && state.parameter > start.parameter
+            }
             Continuation::ArcLength => true,
         };
         share > OLD_BRANCH && goes_on && state.parameter <= next && state.parameter > LoadParameter::default()
@@ -94,7 +96,7 @@ impl Path {
 }
 
 /// A motion whose largest displacement is 1, in the sense in which the body moves already.
-fn normalised(mut mode: Vec<[f64; 3]>, rate: &Correction) -> Vec<[f64; 3]> {
+pub(super) fn normalised(mut mode: Vec<[f64; 3]>, rate: &Correction) -> Vec<[f64; 3]> {
     let largest = mode.iter().map(|u| u.iter().map(|x| x * x).sum::<f64>()).fold(0.0, f64::max).sqrt();
     let factor = if dot(&mode, &rate.displacement) < 0.0 { -largest } else { largest };
     mode.as_flattened_mut().iter_mut().for_each(|x| *x /= factor);

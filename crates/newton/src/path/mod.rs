@@ -1,7 +1,7 @@
 //! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
 //!
 //! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it; `arc_length` goes on beyond limit
-//! points, `branching` where a body buckles; `ending` finds out why it goes no further.
+//! points, `branching` where a body buckles, `snap` where it jumps; `ending` finds out why it goes no further.
 
 mod arc_length;
 mod branching;
@@ -10,6 +10,7 @@ mod newton;
 mod predictor;
 mod record;
 mod release;
+mod snap;
 mod step_control;
 
 use std::sync::Arc;
@@ -28,7 +29,7 @@ use crate::convergence::Scales;
 use crate::error::{ResumeError, SetupError};
 use crate::event::{Event, Observer};
 use crate::failure::{Cause, Failure, Stability};
-use crate::history::{Augmentation, Bifurcation, ConvergedState};
+use crate::history::{Augmentation, Bifurcation, ConvergedState, Snap};
 use crate::prescribed_motion::PrescribedMotion;
 use crate::state::{Correction, Equilibrium, State};
 use crate::system::System;
@@ -76,6 +77,8 @@ pub struct Path {
     branchings: usize,
     /// Where the path has left a branch since the last state that was told of.
     bifurcations: Vec<Bifurcation>,
+    /// How the body has snapped since the last state that was told of.
+    snaps: Vec<Snap>,
 }
 
 /// How well a load step is to be solved.
@@ -104,7 +107,8 @@ impl Path {
     /// [`SetupError`] if the equations cannot be set up.
     pub fn new(problem: &Problem, settings: &Solver) -> Result<Self, SetupError> {
         let begin = Instant::now();
-        let system = System::new(problem, Parallelism::Threads)?;
+        let is_damped = settings.continuation == Continuation::Damped;
+        let system = System::of(problem, is_damped, Parallelism::Threads)?;
         let n = problem.mesh.num_nodes();
         let state = State::at_rest(n, system.num_bordered());
         let tuning = Tuning::default();
@@ -142,6 +146,7 @@ impl Path {
             unstable: None,
             branchings: 0,
             bifurcations: Vec::new(),
+            snaps: Vec::new(),
         })
     }
 
@@ -173,6 +178,7 @@ impl Path {
             Equilibrium { state, multipliers, contact_points, is_inexact, mesh_motions, negative_pivots };
         self.arc = checkpoint.arc;
         self.bifurcations = checkpoint.bifurcations;
+        self.snaps = checkpoint.snaps;
         self.augmentation = checkpoint.augmentation;
         (self.step, self.iterations) = (checkpoint.step, checkpoint.iterations);
         self.approach = Some(checkpoint.approach);
@@ -243,6 +249,7 @@ impl Path {
         let converged = self.advance_to(parameter, observer)?;
         observer(Event::Converged(&converged));
         self.bifurcations.clear();
+        self.snaps.clear();
         Ok(())
     }
 
@@ -254,7 +261,9 @@ impl Path {
     /// As [`Self::advance_to`].
     pub fn follow(&mut self, parameters: &[LoadParameter], observer: Observer<'_>) -> Result<(), Failure> {
         match self.settings.continuation {
-            Continuation::Load => parameters.iter().try_for_each(|&at| self.advance_and_tell(at, observer)),
+            Continuation::Load | Continuation::Damped => {
+                parameters.iter().try_for_each(|&at| self.advance_and_tell(at, observer))
+            }
             Continuation::ArcLength => self.follow_arc(parameters, observer),
         }
     }

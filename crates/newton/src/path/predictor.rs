@@ -1,14 +1,23 @@
 //! One load step: a guess along the tangent of the present equilibrium, and Newton's method from there.
 
-use pneuflex_model::LoadParameter;
+use pneuflex_model::{Continuation, LoadParameter};
 
 use super::newton::Driven;
 use super::{Converged, Path, Target};
 use crate::event::{Event, Observer};
 use crate::failure::Cause;
 use crate::stability;
-use crate::state::{Correction, State};
+use crate::state::{Correction, State, difference, dot};
 use crate::tangent_solver::Tangent;
+
+/// A step of a given load that moves the body this many times as far as predicted may have come to another branch.
+pub(super) const LONGER: f64 = 2.0;
+
+/// Whether a step has led to a state that does not lie on its path: Newton's method may come to what a snap leads to without a word of it.
+fn has_jumped(before: &[[f64; 3]], after: &[[f64; 3]], predicted: &[[f64; 3]]) -> bool {
+    let change = difference(after, before);
+    dot(&change, &change) > LONGER * LONGER * dot(predicted, predicted)
+}
 
 impl Path {
     /// One load step towards `aim`, which becomes the position that is tried: a guess along the tangent, cut short where it
@@ -24,7 +33,7 @@ impl Path {
         let start = self.equilibrium.state.clone();
         self.system.begin_step(&start);
         let (correction, iterations) = self.guess(&start, *aim)?;
-        let (state, _) = self.shortened(&start, &correction, *aim)?;
+        let (state, share) = self.shortened(&start, &correction, *aim)?;
         *aim = state.parameter;
         let target = if *aim == requested || self.is_careful { Target::Requested } else { Target::OnTheWay };
         observer(Event::StepStarted { step: self.step, parameter: *aim });
@@ -34,6 +43,13 @@ impl Path {
         if let Some(obstacle) = self.system.passed_through(&start, &converged.equilibrium.state) {
             self.system.recycle(converged.predictor);
             return Err(Cause::PassedThrough { obstacle });
+        }
+        if self.settings.continuation == Continuation::Damped {
+            let predicted = correction.scaled(share).displacement;
+            if has_jumped(&start.displacement, &converged.equilibrium.state.displacement, &predicted) {
+                self.system.recycle(converged.predictor);
+                return Err(Cause::OtherBranch);
+            }
         }
         Ok(converged)
     }

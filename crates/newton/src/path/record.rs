@@ -30,6 +30,7 @@ impl Path {
             negative_pivots,
             arc: self.arc.clone(),
             bifurcations: self.bifurcations.clone(),
+            snaps: self.snaps.clone(),
         }
     }
 
@@ -50,6 +51,7 @@ impl Path {
             augmentation: self.augmentation.clone(),
             mesh_motions: *mesh_motions,
             bifurcations: self.bifurcations.clone(),
+            snaps: self.snaps.clone(),
         }
     }
 }

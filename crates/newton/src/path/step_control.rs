@@ -56,7 +56,16 @@ impl Path {
                         let attempt = Attempt { tried: attempted - start, attempted, ..attempt };
                         self.accept(converged, &attempt, &mut approach, requested, observer)?;
                     }
-                    None => self.reject(cause, &attempt, &mut approach, observer)?,
+                    None => {
+                        if let Err(failure) = self.reject(cause, &attempt, &mut approach, observer) {
+                            let converged = self.snap(failure, observer)?;
+                            let attempted = converged.equilibrium.state.parameter;
+                            let attempt = Attempt { attempted, ..attempt };
+                            // Where it has come to is another place: the step is that of a beginning.
+                            (approach.step, approach.rejected) = (self.settings.first_step, None);
+                            self.accept(converged, &attempt, &mut approach, requested, observer)?;
+                        }
+                    }
                 },
             }
         }

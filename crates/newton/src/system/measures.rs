@@ -56,6 +56,14 @@ impl System {
         norm_where(field, &self.held, true)
     }
 
+    /// A nodal field, zero at held degrees of freedom.
+    pub fn free_part(&self, field: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut free = field.to_vec();
+        let pairs = free.as_flattened_mut().iter_mut().zip(&self.held[..]);
+        pairs.for_each(|(x, held)| *x = if *held { 0.0 } else { *x });
+        free
+    }
+
     /// Energy of every contribution at a state, mJ, by its name.
     ///
     /// # Errors

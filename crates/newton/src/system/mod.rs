@@ -60,9 +60,17 @@ impl System {
     /// # Errors
     /// [`SetupError`] if an element is degenerate, a cavity open or the body is not held.
     pub fn new(problem: &Problem, parallelism: Parallelism) -> Result<Self, SetupError> {
+        Self::of(problem, false, parallelism)
+    }
+
+    /// The same with dampers, if it is one that may snap (`is_damped`).
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(problem: &Problem, is_damped: bool, parallelism: Parallelism) -> Result<Self, SetupError> {
         let held = problem.held_dofs();
         let (elimination, left) = Elimination::of(&problem.equations, problem.mesh.num_nodes(), &held);
-        let contributions = contributions_of(problem, &left)?;
+        let contributions = contributions_of(problem, &left, is_damped)?;
         Self::with_contributions(&problem.mesh, (held, elimination), contributions, parallelism)
     }
 
@@ -318,15 +326,25 @@ impl System {
         self.contributions.iter_mut().for_each(|contribution| contribution.begin_step(&state.displacement));
     }
 
+    /// Dampers take 1/Δτ of the step of pseudo-time that follows; 0 lets them rest.
+    pub fn damp(&mut self, rate: f64) {
+        self.contributions.iter_mut().for_each(|contribution| contribution.damp(rate));
+    }
+
     /// Norm of the forces at a displacement that must have vanished where results are wanted, N; `None` if there are none of the kind.
     pub fn vanishing_force(&self, displacement: &[[f64; 3]]) -> Option<f64> {
+        self.vanishing_forces(displacement).map(|forces| self.free_norm(&forces))
+    }
+
+    /// These forces, N, one entry per node.
+    pub fn vanishing_forces(&self, displacement: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
         let found = self.contributions.iter().filter_map(|contribution| contribution.vanishing_forces(displacement));
         let mut sum: Option<Vec<[f64; 3]>> = None;
         for (node, force) in found.flatten() {
             let sum = sum.get_or_insert_with(|| vec![[0.0; 3]; displacement.len()]);
             (0..3).for_each(|k| sum[node as usize][k] += force[k]);
         }
-        sum.map(|forces| self.free_norm(&forces))
+        sum
     }
 
     /// The contributions' history follows to the position taken last.

@@ -13,8 +13,8 @@ use crate::fixtures::difference;
 
 const SPAN: f64 = 20.0;
 const RISE: f64 = 2.5;
-const FORCE: f64 = 0.002;
-const TIMES: [f64; 3] = [0.3, 0.6, 1.0];
+pub(crate) const FORCE: f64 = 0.002;
+pub(crate) const TIMES: [f64; 3] = [0.3, 0.6, 1.0];
 
 /// A quarter of a clamped arch, 4 mm wide and 1 mm thick.
 fn arch() -> (Problem, u32) {
@@ -36,7 +36,7 @@ fn arch() -> (Problem, u32) {
 }
 
 /// The same under a force on the middle of the crown.
-fn loaded(force: f64) -> (Problem, u32) {
+pub(crate) fn loaded(force: f64) -> (Problem, u32) {
     let (mut problem, node) = arch();
     let curve = Curve::Proportional(1.0);
     problem.loads = vec![Load::Force { nodes: vec![(node, 1.0)], force: [0.0, 0.0, -force], curve }];

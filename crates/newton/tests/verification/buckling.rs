@@ -5,11 +5,11 @@ use pneuflex_model::load::Load;
 use pneuflex_model::{Clock, Continuation, Curve, Formulation, Invariant, Law, Material, Problem, Solver, Support};
 use pneuflex_newton::{ConvergedState, Event, follow_path};
 
-const LENGTH: f64 = 20.0;
+pub(crate) const LENGTH: f64 = 20.0;
 const MODULUS: f64 = 0.6;
 
 /// A strut of 1 mm × 1 mm, half of its width, clamped at x = 0 and pushed by Euler's load times the load parameter.
-fn strut() -> Problem {
+pub(crate) fn strut() -> Problem {
     let kind = Formulation::Hex20.element_kind();
     let mesh = Lattice::uniform([0.0; 3], [LENGTH, 0.5, 1.0], [10, 1, 1]).mesh_all(kind);
     let [foot, middle] = [0, 1].map(|axis| mesh.select_nodes(|x: [f64; 3]| x[axis].abs() < 1e-9));
@@ -25,7 +25,7 @@ fn strut() -> Problem {
 }
 
 /// Deflection of the elastica's tip under a multiple of Euler's load, over its length: with P/P_E = (2 K(k)/π)² it is 2 k/K(k).
-fn elastica(load: f64) -> f64 {
+pub(crate) fn elastica(load: f64) -> f64 {
     let complete = |k: f64| {
         let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
         for _ in 0..20 {

@@ -28,4 +28,5 @@ mod motion;
 mod obstacles;
 mod penetration;
 mod resume;
+mod snap;
 mod snapshots;
