@@ -165,7 +165,7 @@ pub enum Occasion {
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 41] = [
         Self::OutOfMemory,
         Self::BadEquations,
         Self::Rounding,

@@ -299,7 +299,8 @@ mod tests {
 
     #[test]
     fn damaged_inputs_are_read_or_refused() {
-        let curve = vec![("a.csv".to_owned(), b"stretch,uniaxial (MPa)\n1.1,0.05\n1.2,0.1\n1.4,0.2\n".to_vec())];
+        let curve =
+            vec![("a.csv".to_owned(), b"stretch,uniaxial nominal stress (MPa)\n1.1,0.05\n1.2,0.1\n1.4,0.2\n".to_vec())];
         let options = Options { inputs: 1500, seed: 1, seeds: vec![curve] };
         let tallies = run(&options, &|fault| panic!("input {}: {}", fault.input, fault.why));
         let (read, refused): (usize, usize) =
