@@ -170,7 +170,8 @@ impl Step {
         if block.has("STABILIZE") {
             context.note(
                 block.place,
-                "*STATIC, STABILIZE: nothing is added to stabilise; unstable paths are followed as they are",
+                "*STATIC, STABILIZE: nothing is added to stabilise; unstable paths are followed as they are; a model file around the \
+                 deck with solver.continuation = \"damped\" lets the body snap",
             );
         }
         let Some(line) = block.lines.first() else { return };
