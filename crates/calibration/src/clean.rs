@@ -107,11 +107,14 @@ pub fn clean(curve: &Curve, how: &Cleaning) -> Cleaned {
     }
     let moving = upwards(moving, &mut notes);
     let (kept, mut unused, has_order) = choose_loading(&moving, how.cycles, &mut notes);
+    // Loadings and unloadings that are not meant.
+    let others = unused.iter().map(|p| p.line).min();
     unused.extend(spikes);
     let mut used = Vec::new();
     for branch in kept {
-        let is_first = branch.first().map(|p| p.line) == curve.points.iter().find(|p| p.stretch != 1.0).map(|p| p.line);
-        let branch = if how.keeps_offset { branch } else { taut(branch, is_first, &mut unused, &mut notes) };
+        let is_first = branch.first().is_none_or(|first| others.is_none_or(|line| line > first.line));
+        let is_as_measured = how.keeps_offset || !has_order;
+        let branch = if is_as_measured { branch } else { taut(branch, is_first, &mut unused, &mut notes) };
         let cut = if how.keeps_break || !has_order { None } else { break_of(&branch) };
         let end = cut.unwrap_or(branch.len());
         if let Some(last) = cut.and_then(|c| branch.get(c.wrapping_sub(1))) {
@@ -210,7 +213,7 @@ fn choose_loading(moving: &[Point], cycles: Cycles, notes: &mut Vec<String>) -> 
         return (vec![moving.to_vec()], Vec::new(), false);
     }
     if !branches.iter().any(|b| is_unloading(b)) {
-        return (branches, Vec::new(), true);
+        return (from_their_first_points(branches), Vec::new(), true);
     }
     let reach = |b: &[Point]| b.iter().map(|p| p.stretch.ln().abs()).fold(0.0, f64::max);
     let largest = branches.iter().filter(|b| is_loading(b)).map(|b| reach(b)).fold(0.0, f64::max);
@@ -235,6 +238,18 @@ fn choose_loading(moving: &[Point], cycles: Cycles, notes: &mut Vec<String>) -> 
     ));
     let others = branches.into_iter().enumerate().filter(|(i, _)| *i != chosen).flat_map(|(_, b)| b).collect();
     (vec![kept], others, true)
+}
+
+/// Loadings of specimens that follow each other: the jump back to the beginning of the next one is no part of its own.
+fn from_their_first_points(branches: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
+    let mut loadings: Vec<Vec<Point>> = Vec::new();
+    for branch in branches {
+        match loadings.last_mut() {
+            Some(jump) if jump.len() < UNLOADING_POINTS => jump.extend(branch),
+            _ => loadings.push(branch),
+        }
+    }
+    loadings
 }
 
 /// The parts between changes of direction; a turning point belongs to the part that leads to it.

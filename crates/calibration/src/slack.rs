@@ -15,10 +15,11 @@ const NO_STRESS: f64 = 0.02;
 /// ASTM D638, annex A1), if points were measured there; rubber is stiffest at rest and has no such part of its own.
 pub fn strain_without_stress(loading: &[Point]) -> Option<f64> {
     let largest = loading.iter().map(|p| p.stress).fold(0.0, f64::max);
-    let is_first = |p: &&Point| p.stress > PART[0] * largest;
-    let mut line: Vec<&Point> = loading.iter().filter(is_first).take_while(|p| p.stress < PART[1] * largest).collect();
+    let is_first = |p: &Point| p.stress > PART[0] * largest;
+    let mut line: Vec<&Point> =
+        loading.iter().filter(|p| is_first(p)).take_while(|p| p.stress < PART[1] * largest).collect();
     if line.len() < 2 {
-        line = loading.iter().filter(is_first).take(2).collect();
+        line = loading.iter().filter(|p| is_first(p)).take(2).collect();
     }
     let count = line.len() as f64;
     let mean = |of: &dyn Fn(&Point) -> f64| line.iter().map(|p| of(p)).sum::<f64>() / count;
@@ -28,10 +29,10 @@ pub fn strain_without_stress(loading: &[Point]) -> Option<f64> {
     let slope = covariance / variance;
     let slack = strain - stress / slope;
     let has_none = |strain: f64, stress: f64| strain >= 0.5 * slack && stress.abs() < NO_STRESS * slope * strain;
-    // The line is a chord, and ends a little too early.
-    let strains =
-        loading.iter().map(|p| (p.stretch - 1.0, p.stress)).filter(|(strain, stress)| has_none(*strain, *stress));
-    let furthest = strains.map(|(strain, _)| strain).fold(0.0, f64::max);
+    // The line is a chord, and ends a little too early. Behind its beginning stresses fall for other reasons: specimens break.
+    let before = loading.iter().take_while(|p| !is_first(p)).map(|p| (p.stretch - 1.0, p.stress));
+    let furthest =
+        before.filter(|(strain, stress)| has_none(*strain, *stress)).map(|(strain, _)| strain).fold(0.0, f64::max);
     (slope > 0.0 && slack > LEAST && furthest > 0.0).then_some(slack.max(furthest))
 }
 
@@ -57,5 +58,9 @@ mod tests {
         assert_eq!(strain_without_stress(&loading(0.0, |e| rubber(e) * (1.0 + 0.4 * e.powi(4)))), None);
         assert_eq!(strain_without_stress(&loading(0.0, |_| 0.0)), None);
         assert_eq!(strain_without_stress(&[]), None);
+        // What is left after the break has no stress either.
+        let mut broken = loading(0.1, rubber);
+        broken.iter_mut().skip(60).for_each(|p| p.stress = 0.0);
+        assert!((strain_without_stress(&broken).unwrap() - 0.1).abs() < 0.01);
     }
 }

@@ -39,6 +39,7 @@ pub fn read(file: &str, text: &str, options: &ReadOptions) -> Result<Reading, Cu
     let decimal = decimal_sign(text, separator, &header, options)?;
     stress_measure::find(&mut selection, &header, separator, decimal, text);
     let from_elsewhere = test_of_file(file, text, header.line, options);
+    settle_test(&mut selection, &header, from_elsewhere.as_ref(), options)?;
     let reader = Reader { separator, decimal, header: &header, selection: &selection, single: from_elsewhere.as_ref() };
     let mut curves = reader.curves(file, text)?;
     let is_compression =
@@ -149,6 +150,29 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
         }
     }
     None
+}
+
+/// The kind of test of a table whose columns name a single one. `Tensile strain` stands over planar and equibiaxial tests, too: what the caller
+/// says comes first, and where the file says something else, the caller has to.
+fn settle_test(
+    selection: &mut Selection,
+    header: &Header,
+    from_elsewhere: Option<&(Mode, String)>,
+    options: &ReadOptions,
+) -> Result<(), CurveError> {
+    let Some((said, how)) = from_elsewhere else { return Ok(()) };
+    let Some(Some(of_columns)) = selection.pairs.first().map(|pair| pair.mode) else { return Ok(()) };
+    let are_several = selection.pairs.iter().any(|pair| pair.mode != Some(of_columns));
+    if are_several || of_columns == *said {
+        return Ok(());
+    }
+    if options.test.is_none() {
+        let message =
+            format!("the test is {} by the names of the columns, and {} {how}", of_columns.name(), said.name());
+        return Err(CurveError::at(header.line, message).help("add --test uniaxial, equibiaxial or planar"));
+    }
+    selection.pairs.iter_mut().for_each(|pair| pair.mode = None);
+    Ok(())
 }
 
 struct Reader<'a> {

@@ -123,7 +123,9 @@ pub fn select(
                 })?
             }
         };
-        make_pair(headings, strain, stress, mode.or(headings[strain].mode), line, options)
+        // A column with the kind of test says more than `Tensile strain`, which machines write over any test.
+        let mode = if test.is_some() { mode } else { mode.or(headings[strain].mode) };
+        make_pair(headings, strain, stress, mode, line, options)
     };
     let pairs = if let Some((column, _)) = &choice.stress {
         vec![pair(named(column)?, None)?]

@@ -315,6 +315,17 @@ fn kinds_of_test() {
         |_| (),
         Refused(&["'F22'", "uniaxial"]),
     );
+    let instron = plain("Tensile strain (mm/mm),Tensile nominal stress (MPa)", &ps);
+    traps.with(
+        "machines call every test tensile",
+        "planar_3.csv",
+        &instron,
+        |_| (),
+        Refused(&["uniaxial", "planar", "--test"]),
+    );
+    traps.with("the kind as said", "planar_3.csv", &instron, |o| o.test = Some(Mode::Planar), Read);
+    let instron = plain("Tensile strain (mm/mm),Tensile nominal stress (MPa)", &pulled());
+    traps.with("a tensile test", "1.csv", &instron, |_| (), Read);
     let positive: Vec<[f64; 2]> = pressed().iter().map(|[l, p]| [2.0 - l, -p]).collect();
     traps.with("compression", "compression.csv", &plain(NOMINAL, &positive), |_| (), Read);
     traps.with(
@@ -358,5 +369,9 @@ fn rows() {
     of("longer after the first loading", &[loaded(1.3), unloaded(0.7), [[1.05, 0.0]].to_vec(), set].concat());
     let broken = [points.clone(), vec![[2.05, 0.12], [2.1, 0.02], [2.15, 0.001]]].concat();
     of("broken", &broken);
-    traps.none_is_wrong(14);
+    let taut = points.iter().map(|[l, p]| [l + 0.05, *p]).chain([[2.1, 0.02], [2.15, 0.0], [2.2, 0.0]]);
+    of("slack, and broken in the end", &[[1.0, 0.0]].into_iter().chain(taut).collect::<Vec<_>>());
+    let slack_twice: Vec<[f64; 2]> = [slack.clone(), slack].concat();
+    of("two specimens, both slack", &slack_twice);
+    traps.none_is_wrong(16);
 }
