@@ -13,10 +13,9 @@ use crate::tangent_solver::Tangent;
 /// A step of a given load that moves the body this many times as far as predicted may have come to another branch.
 pub(super) const LONGER: f64 = 2.0;
 
-/// Whether a step has led to a state that does not lie on its path: Newton's method may come to what a snap leads to without a word of it.
-fn has_jumped(before: &[[f64; 3]], after: &[[f64; 3]], predicted: &[[f64; 3]]) -> bool {
-    let change = difference(after, before);
-    dot(&change, &change) > LONGER * LONGER * dot(predicted, predicted)
+/// Whether a step is longer than a tangent predicts.
+fn is_longer(change: &[[f64; 3]], predicted: &[[f64; 3]]) -> bool {
+    dot(change, change) > LONGER * LONGER * dot(predicted, predicted)
 }
 
 impl Path {
@@ -45,13 +44,30 @@ impl Path {
             return Err(Cause::PassedThrough { obstacle });
         }
         if self.settings.continuation == Continuation::Damped {
+            let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
             let predicted = correction.scaled(share).displacement;
-            if has_jumped(&start.displacement, &converged.equilibrium.state.displacement, &predicted) {
+            if is_longer(&change, &predicted) && is_longer(&change, &self.way_back(&start, &mut converged)?) {
                 self.system.recycle(converged.predictor);
                 return Err(Cause::OtherBranch);
             }
         }
         Ok(converged)
+    }
+
+    /// The way back to where a step began, as the tangent of its end predicts it. A tangent of the beginning may be a bad one, as that of a body
+    /// at rest under the stress of the full invariant; where the body has snapped without a word, neither predicts the step. The tangent
+    /// becomes the next step's.
+    fn way_back(&mut self, start: &State, converged: &mut Converged) -> Result<Vec<[f64; 3]>, Cause> {
+        self.system.recycle(converged.predictor.take());
+        let state = &converged.equilibrium.state;
+        self.system.predict(&state.displacement, None);
+        let (_, tangent) = self.system.tangent(state)?;
+        (self.iterations, converged.iterations) = (self.iterations + 1, converged.iterations + 1);
+        let assembled = self.system.residual_ahead(&tangent, state, start.parameter)?;
+        let change = self.motion.change(&state.moved_to(start.parameter));
+        let back = self.system.solve(&tangent, &assembled, change.as_deref())?;
+        converged.predictor = Some(tangent);
+        Ok(back.displacement)
     }
 
     /// The correction of the present equilibrium for the loads of a position, and the number of tangents that it took.
