@@ -77,8 +77,8 @@ pub struct Snap {
     pub place: [f64; 3],
     /// How far it moved, mm.
     pub moved: f64,
-    /// Work that the dampers did on the body, less their sign, mJ: what the loads and the body had to spare.
-    pub released: f64,
+    /// Work that the dampers took up, mJ: what the loads and the body had to spare. `None` where it could not be integrated.
+    pub released: Option<f64>,
     /// Steps of pseudo-time.
     pub steps: usize,
 }

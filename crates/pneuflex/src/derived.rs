@@ -35,7 +35,7 @@ pub fn describe(
         to: snap.to,
         near_mm: snap.place,
         moved_mm: snap.moved,
-        released_mj: parts * snap.released,
+        released_mj: snap.released.map(|released| parts * released),
     };
     described.summary.snaps = equilibrium.snaps.iter().map(summary).collect();
     if equilibrium.mesh_motions.is_none() {

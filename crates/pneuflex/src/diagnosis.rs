@@ -236,10 +236,8 @@ fn snapped(subject: Subject<'_>, steps: &[StepSummary]) -> String {
         .map(|snap| {
             let [x, y, z] = snap.near_mm;
             let at = subject.problem.clock.words(snap.at);
-            format!(
-                "at {at}, by {:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm, giving up {:.2e} mJ",
-                snap.moved_mm, snap.released_mj
-            )
+            let energy = snap.released_mj.map_or(String::new(), |released| format!(", giving up {released:.2e} mJ"));
+            format!("at {at}, by {:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm{energy}", snap.moved_mm)
         })
         .collect();
     format!(

@@ -121,8 +121,9 @@ pub struct SnapSummary {
     pub near_mm: [f64; 3],
     /// How far, mm.
     pub moved_mm: f64,
-    /// Energy that body and loads gave up, mJ.
-    pub released_mj: f64,
+    /// Energy that body and loads gave up, mJ, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub released_mj: Option<f64>,
 }
 
 /// Where a body buckled, and the path left the branch that becomes unstable there.

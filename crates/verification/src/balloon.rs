@@ -251,6 +251,17 @@ mod tests {
         assert!(before.is_empty() && *unstable == 0);
         assert!((stretch / low - 1.0).abs() < 2e-3, "{stretch} {low}");
         assert_eq!(snaps.len(), 1);
+        // The energy given up: what the given pressure does on the growing volume of the eighth, less what the wall asks for.
+        let given = 1e-3 * snaps[0].to.0;
+        let grid = (1..=50).map(|i| 1.0 + 0.02 * f64::from(i)).map(|a| (wall_pressure(&stiffening, a), a));
+        let (_, from) = grid.fold((0.0, 1.0), |best, now| if now.0 > best.0 { now } else { best });
+        let to = root(from + 0.5, 4.0, |a| wall_pressure(&stiffening, a) - given);
+        let spare =
+            |a: f64| (given - wall_pressure(&stiffening, a)) * 0.5 * std::f64::consts::PI * RADII[0].powi(3) * a * a;
+        let width = (to - from) / 50.0;
+        let expected: f64 = (0..50).map(|i| width * spare(from + width * (f64::from(i) + 0.5))).sum();
+        let released = snaps[0].released.unwrap();
+        assert!((released / expected - 1.0).abs() < 5e-3, "{released} {expected}");
         assert!(
             (snaps[0].from.0 / (1e3 * greatest) - 1.0).abs() < 2e-3 && snaps[0].moved > 0.5 * RADII[0],
             "{snaps:?}"

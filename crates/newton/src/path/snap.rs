@@ -48,6 +48,15 @@ const SETTLED: f64 = 1.0;
 /// An unstable body is pushed along its motion by this share of the mean spacing of the nodes, unless the user says by how much.
 const PUSH: f64 = 0.05;
 
+/// Relative difference of the work of a step by twice as many points from which on it is known,
+const WORK_TOLERANCE: f64 = 1e-3;
+
+/// unless it is less than this share of what a stress of the shear modulus does on an element,
+const NO_WORK: f64 = 1e-6;
+
+/// and how often the points are doubled at the most.
+const MOST_HALVINGS: u32 = 8;
+
 /// The motion so far.
 struct Motion {
     /// 1/Δτ.
@@ -58,9 +67,15 @@ struct Motion {
     greatest: f64,
     /// Force at which they are let go next, N.
     let_go: f64,
-    /// Energy released, mJ.
-    released: f64,
+    /// Energy released, mJ; `None` if it is not known of every step.
+    released: Option<f64>,
     steps: usize,
+}
+
+impl Motion {
+    fn add(&mut self, released: Option<f64>) {
+        self.released = self.released.zip(released).map(|(so_far, released)| so_far + released);
+    }
 }
 
 /// What a step of pseudo-time led to.
@@ -69,7 +84,8 @@ enum Step {
         iterations: usize,
         /// Force that the dampers carried at its end, N.
         force: f64,
-        released: f64,
+        /// As [`Motion::released`].
+        released: Option<f64>,
     },
     /// This share of it was all that could be done.
     TooFar(f64),
@@ -113,7 +129,8 @@ impl Path {
 
     /// Steps of pseudo-time until the dampers carry nothing; the present equilibrium is where they have come to.
     fn move_damped(&mut self, aim: LoadParameter, observer: Observer<'_>) -> Result<(Converged, Motion), Cause> {
-        let mut motion = Motion { rate: RATES[0], failed: 0.0, greatest: 0.0, let_go: 0.0, released: 0.0, steps: 0 };
+        let mut motion =
+            Motion { rate: RATES[0], failed: 0.0, greatest: 0.0, let_go: 0.0, released: Some(0.0), steps: 0 };
         let mut iterations = 0;
         self.equilibrium.state = self.equilibrium.state.moved_to(aim);
         while motion.steps < MOST && motion.rate < RATES[1] {
@@ -124,7 +141,7 @@ impl Path {
             match self.damped_step(motion.rate, observer) {
                 Ok(Step::Done { iterations: taken, force, released }) => {
                     iterations += taken;
-                    motion.released += released;
+                    motion.add(released);
                     motion.greatest = motion.greatest.max(force);
                     if force < LET_GO * motion.greatest && (motion.let_go == 0.0 || force < motion.let_go) {
                         motion.let_go = LET_GO * force;
@@ -192,20 +209,37 @@ impl Path {
         Ok(Step::Done { iterations: 1 + found.iterations, force, released })
     }
 
-    /// Energy that the body and its loads give up between two states, mJ, by Simpson's rule; `first` is the residual of the first one, N.
-    fn released(&mut self, [start, end]: [&State; 2], first: &[[f64; 3]]) -> Result<f64, Cause> {
+    /// Energy that the body and its loads give up between two states, mJ: the work of the residual along the straight line between them, by
+    /// Romberg's rule; `first` is the residual of the first one, N. `None` if elements are turned inside out on the way.
+    fn released(&mut self, [start, end]: [&State; 2], first: &[[f64; 3]]) -> Result<Option<f64>, Cause> {
         self.system.damp(0.0);
         let change = difference(&end.displacement, &start.displacement);
-        let mut middle = start.clone();
-        let pairs = middle.displacement.as_flattened_mut().iter_mut().zip(change.as_flattened());
-        pairs.for_each(|(u, change)| *u += 0.5 * change);
-        middle.bordered.iter_mut().zip(&end.bordered).for_each(|(y, end)| *y = 0.5 * (*y + end));
-        let last = self.system.residual(end)?.residual;
-        // What is turned inside out half way has no energy: two points have to do.
-        let middle = self.system.residual(&middle).ok().map(|assembled| assembled.residual);
-        let along = |residual: &[[f64; 3]]| -dot(&self.system.free_part(residual), &change);
-        let ends = along(first) + along(&last);
-        Ok(middle.map_or(ends / 2.0, |middle| (ends + 4.0 * along(&middle)) / 6.0))
+        let mut between = start.clone();
+        let mut along = |path: &mut Self, share: f64| {
+            let pairs = start.displacement.as_flattened().iter().zip(change.as_flattened());
+            let moved = between.displacement.as_flattened_mut().iter_mut().zip(pairs);
+            moved.for_each(|(u, (start, change))| *u = start + share * change);
+            let pairs = start.bordered.iter().zip(&end.bordered);
+            between.bordered.iter_mut().zip(pairs).for_each(|(y, (start, end))| *y = start + share * (end - start));
+            let residual = path.system.residual(&between).ok()?.residual;
+            Some(-dot(&path.system.free_part(&residual), &change))
+        };
+        let Some(last) = along(self, 1.0) else { return Ok(None) };
+        let (mut trapezoid, mut simpson) = (0.5 * (last - dot(&self.system.free_part(first), &change)), f64::INFINITY);
+        let least = NO_WORK * self.scales.force * self.scales.length;
+        for halvings in 0..MOST_HALVINGS {
+            self.check_stop()?;
+            let parts = f64::from(1 << halvings);
+            let middles = (0..1 << halvings).map(|part| along(self, (f64::from(part) + 0.5) / parts));
+            let Some(sum) = middles.sum::<Option<f64>>() else { return Ok(None) };
+            let finer = 0.5 * (trapezoid + sum / parts);
+            let better = (4.0 * finer - trapezoid) / 3.0;
+            if (better - simpson).abs() <= WORK_TOLERANCE * better.abs().max(least) {
+                return Ok(Some(better));
+            }
+            (trapezoid, simpson) = (finer, better);
+        }
+        Ok(None)
     }
 
     /// The equilibrium to which the body comes without dampers from where it is; `None` if it does not stay there. A motion that is unstable
@@ -229,7 +263,7 @@ impl Path {
                 let change = difference(&found.equilibrium.state.displacement, &start.displacement);
                 let moved = change.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
                 if found.equilibrium.negative_pivots == 0 && moved < SETTLED * self.scales.length {
-                    motion.released += self.released([&start, &found.equilibrium.state], &assembled.residual)?;
+                    motion.add(self.released([&start, &found.equilibrium.state], &assembled.residual)?);
                     return Ok(Some(found));
                 }
                 self.system.recycle(found.predictor);

@@ -59,8 +59,9 @@ fn an_arch_snaps_to_the_branch_beyond() {
     };
     let [(stored, down), (stored_after, down_after)] = [at(snap.from.0), at(snap.to.0)];
     let expected = FORCE * snap.to.0 * (down_after - down) - (stored_after - stored);
-    println!("released {} mJ of {expected}", snap.released);
-    assert!((snap.released / expected - 1.0).abs() < 0.01, "{} {expected}", snap.released);
+    let released = snap.released.unwrap();
+    println!("released {released} mJ of {expected}");
+    assert!((released / expected - 1.0).abs() < 2e-3, "{released} {expected}");
 }
 
 #[test]
