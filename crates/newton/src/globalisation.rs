@@ -69,6 +69,8 @@ pub struct Globalisation<'a> {
     norms: Vec<f64>,
     /// Fewest and most touching points of the last iterations.
     touching: (usize, usize),
+    /// Fewest touching points of all iterations, and how many tangents ago they were seen.
+    fewest: (usize, usize),
     /// The last correction of a new tangent, and how many of them in a row were below the tolerance and left the residual as it was.
     stall: (Measures, usize),
 }
@@ -85,6 +87,12 @@ const WATCHED: usize = 6;
 /// A last correction below this is that of a contact which does not settle rather than of an iteration that is lost.
 const SETTLING: f64 = 1.0;
 
+/// Contact peels off if fewer points touch than ever before in one of so many tangents,
+const PEELING: usize = 3;
+
+/// and has this many times the iterations that a step has else.
+const MOST_PEELING: usize = 4;
+
 impl<'a> Globalisation<'a> {
     /// The policy of an attempt for a body, which `has_tangent` from near the guess, or has not.
     pub fn new(tuning: &'a Tuning, settings: &'a Solver, scales: &Scales, has_tangent: bool) -> Self {
@@ -100,6 +108,7 @@ impl<'a> Globalisation<'a> {
             goes_on: has_tangent,
             norms: Vec::new(),
             touching: (usize::MAX, 0),
+            fewest: (usize::MAX, 0),
             stall: (Measures { norm: f64::INFINITY, ..Measures::default() }, 0),
         }
     }
@@ -116,7 +125,7 @@ impl<'a> Globalisation<'a> {
 
     /// Where the next correction comes from; `None` when the iterations are used up.
     pub fn next_tangent(&mut self) -> Option<Choice> {
-        if self.iteration >= self.settings.max_iterations {
+        if self.iteration >= self.settings.max_iterations && !self.peels_off() {
             return None;
         }
         let contracts = self.last.largest < self.tuning.modified_below && self.goes_on;
@@ -217,7 +226,13 @@ impl<'a> Globalisation<'a> {
         self.stall = (now, if is_as_it_was && is_small(&now) && is_small(&before) { count + 1 } else { 0 });
     }
 
+    /// Whether contact still peels off, front by front: then another tangent is worth more than a smaller step, over which as many points open.
+    fn peels_off(&self) -> bool {
+        self.fewest.1 < PEELING && self.iteration < MOST_PEELING * self.settings.max_iterations
+    }
+
     fn watch(&mut self, touching: usize) {
+        self.fewest = if touching < self.fewest.0 { (touching, 0) } else { (self.fewest.0, self.fewest.1 + 1) };
         if self.iteration + WATCHED > self.settings.max_iterations {
             self.touching = (self.touching.0.min(touching), self.touching.1.max(touching));
         }
@@ -341,6 +356,24 @@ mod tests {
         assert_eq!(exhaust(|count| 10 + count % 2), (8, Cause::ContactChatter { least: 10, most: 11 }));
         let lost = Cause::TooManyIterations { iterations: 8, correction: 0.4, residual: 0.4, node: 7 };
         assert_eq!(exhaust(|_| 10), (8, lost));
+    }
+
+    #[test]
+    fn contact_that_peels_off_has_more_iterations() {
+        let (tuning, settings) = (TUNING(), Solver { max_iterations: 8, ..Solver::default() });
+        let iterations = |points: &dyn Fn(usize) -> usize| {
+            let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
+            let mut count = 0;
+            while policy.next_tangent().is_some() {
+                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
+                count += 1;
+            }
+            count
+        };
+        assert_eq!(iterations(&|count| 900 - 10 * count), 32);
+        assert_eq!(iterations(&|count| 900 - 10 * count.min(12)), 12 + PEELING + 1);
+        assert_eq!(iterations(&|count| 900 - count % 2), 8);
+        assert_eq!(iterations(&|count| 10 + count), 8);
     }
 
     #[test]

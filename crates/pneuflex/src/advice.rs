@@ -48,6 +48,8 @@ pub enum Remedy {
     Imperfection,
     /// The arc length instead of the load parameter.
     ArcLength,
+    /// A motion against dampers to the next stable shape.
+    LetSnap,
     /// Less memory, or more of it.
     Memory,
     /// Mend the equations that the message names.
@@ -218,12 +220,12 @@ impl Occasion {
             Self::Rounding => &[R::ResidualTolerance],
             Self::NoStiffnessLeft => &[R::SmallerLoad, R::ThickerWalls, R::FittedConstants],
             Self::NotHeld => &[R::Hold, R::TouchAtRest],
-            Self::Buckling => &[R::SmallerLoad, R::Stockier, R::Imperfection],
+            Self::Buckling => &[R::SmallerLoad, R::Stockier, R::Imperfection, R::LetSnap],
             Self::FirstStep => &[R::SmallerSteps],
             Self::ElementMotion => &[R::BetterElements, R::FinerMesh],
             Self::VolumetricMotion => &[R::Isochoric, R::BetterElements, R::FinerMesh],
             Self::GreatestPressure => &[R::SmallerLoad, R::ThickerWalls, R::PumpVolume, R::ArcLength],
-            Self::GreatestForce => &[R::SmallerLoad, R::ThickerWalls, R::PrescribeMotion, R::ArcLength],
+            Self::GreatestForce => &[R::SmallerLoad, R::ThickerWalls, R::PrescribeMotion, R::ArcLength, R::LetSnap],
             Self::PassedThrough => &[R::SmallerSteps, R::OtherStiffness],
             Self::UnsettledContact => &[R::OtherStiffness],
             Self::InvertedElement => &[R::BetterElements, R::SmallerLoad],

@@ -79,6 +79,7 @@ impl Vocabulary {
             Remedy::PrescribeMotion => self.drive().into(),
             Remedy::Imperfection => self.imperfection().into(),
             Remedy::ArcLength => self.arc_length().into(),
+            Remedy::LetSnap => self.let_snap().into(),
             Remedy::Memory => {
                 "use a coarser mesh, end other programs, or raise the limit of this one (of a container, or `ulimit -v`)".into()
             }
@@ -230,6 +231,19 @@ impl Vocabulary {
             Self::Deck => "follow the path past it by its arc length, in a model file around the deck",
             Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
                 "follow the path past it (solver.continuation = \"arc-length\")"
+            }
+        }
+    }
+
+    /// How a body is led to its next stable shape.
+    fn let_snap(self) -> &'static str {
+        match self {
+            Self::Program => "let it snap to its next stable shape with Continuation::Damped",
+            Self::Deck => {
+                "let it snap to its next stable shape by damped continuation, in a model file around the deck"
+            }
+            Self::CaseFile | Self::ActuatorModel | Self::DeckModel | Self::MeshModel => {
+                "let it snap to its next stable shape (solver.continuation = \"damped\")"
             }
         }
     }

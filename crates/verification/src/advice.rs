@@ -314,6 +314,7 @@ fn rows() -> Vec<Row> {
             Further(1.0),
         ),
         row(O::Buckling, R::Imperfection, (STRUT, STRAIGHT), (STRUT, BUCKLES), ToTheEnd),
+        row(O::Buckling, R::LetSnap, (STRUT, STRAIGHT), (STRUT, SNAPS), ToTheEnd),
         row(
             O::Buckled,
             R::Stockier,
@@ -396,6 +397,7 @@ fn rows() -> Vec<Row> {
             Gone,
         ),
         row(O::GreatestForce, R::ArcLength, slips, (slips.0, PAST), ToTheEnd),
+        row(O::GreatestForce, R::LetSnap, slips, (slips.0, &[("solver.continuation", "damped")]), ToTheEnd),
         row(
             O::GreatestForce,
             R::SmallerLoad,

@@ -2,7 +2,7 @@
 
 use pneuflex_factor::Parallelism;
 use pneuflex_model::{Continuation, Solver, StateKind};
-use pneuflex_newton::{ConvergedState, Event, State, System, follow_path};
+use pneuflex_newton::{Checkpoint, ConvergedState, Event, Path, State, System, follow_path};
 
 use crate::arc_length::{FORCE, TIMES, loaded};
 use crate::buckling::{LENGTH, elastica, strut};
@@ -84,4 +84,47 @@ fn a_strut_buckles_to_the_elastica() {
     }
     assert!(found[0].snaps.is_empty() && found[2].snaps.is_empty());
     assert!(!found[1].snaps.is_empty());
+}
+
+/// A path that was interrupted just before a snap, in the states behind it, or anywhere else goes on as if nothing had been.
+#[test]
+fn every_checkpoint_of_a_path_that_snaps_leads_to_the_same_end() {
+    let problem = strut();
+    let settings = Solver {
+        first_step: 0.2,
+        max_step: 0.5,
+        min_step: 1e-2,
+        continuation: Continuation::Damped,
+        ..Solver::default()
+    };
+    let times = [0.9, 1.1, 1.3];
+    let follow = |checkpoint: Option<Checkpoint>| {
+        let (mut checkpoints, mut reached) = (Vec::new(), Vec::new());
+        let mut observer = |event: Event<'_>| {
+            if let Event::StepAccepted(checkpoint) = event {
+                checkpoints.push(checkpoint.clone());
+            }
+        };
+        let mut path = Path::new(&problem, &settings).unwrap();
+        let from = checkpoint.as_ref().map_or(0.0, |checkpoint| checkpoint.parameter.0);
+        if let Some(checkpoint) = checkpoint {
+            path.resume(checkpoint).unwrap();
+        }
+        for time in times.into_iter().filter(|time| *time >= from) {
+            reached.push(path.advance_to(time, &mut observer).unwrap());
+        }
+        (checkpoints, reached)
+    };
+    let (checkpoints, expected) = follow(None);
+    let behind = checkpoints.iter().filter(|checkpoint| !checkpoint.snaps.is_empty()).count();
+    assert!(behind > 0 && behind < checkpoints.len(), "{behind} of {}", checkpoints.len());
+    for checkpoint in checkpoints {
+        let at = checkpoint.parameter.0;
+        let (_, reached) = follow(Some(checkpoint));
+        for (found, expected) in reached.iter().zip(&expected[expected.len() - reached.len()..]) {
+            let apart = difference(found.displacement.as_flattened(), expected.displacement.as_flattened());
+            assert!(apart < 1e-9, "from {at} to {}: {apart:.1e}", found.parameter);
+            assert_eq!(found.snaps.len(), expected.snaps.len(), "from {at} to {}", found.parameter);
+        }
+    }
 }
