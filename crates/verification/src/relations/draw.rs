@@ -145,13 +145,19 @@ fn steps(dice: &mut Dice, end: f64) -> Steps {
     }
 }
 
-/// The arc length as often as a least step is drawn: it finds the same states at the requested times.
+/// Where a least step is drawn, one of the continuations: they find the same states at the requested times.
 fn with_continuation(min_step: Option<f64>) -> Steps {
     let Some(step) = min_step else { return Steps::default() };
-    let is_arc = step > 1.5e-4;
+    let is_arc = step > 1e-3;
     Steps {
         min_step,
-        continuation: Some(if is_arc { Continuation::ArcLength } else { Continuation::Load }),
+        continuation: Some(if is_arc {
+            Continuation::ArcLength
+        } else if step > 1.5e-4 {
+            Continuation::Damped
+        } else {
+            Continuation::Load
+        }),
         states_past_limit: is_arc.then_some(4),
         ..Steps::default()
     }
@@ -348,7 +354,8 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
     };
     // As often as there are no fields.
     if !case.output.fields {
-        case.solver.continuation = Continuation::ArcLength;
+        let has_one = case.load.pressure_kpa.len() == 1;
+        case.solver.continuation = if has_one { Continuation::ArcLength } else { Continuation::Damped };
     }
     case
 }

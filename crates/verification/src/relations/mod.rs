@@ -114,7 +114,7 @@ pub fn run(options: &Options, observe: &(dyn Fn(&Fault) + Sync)) -> Report {
                         End::Refused(why) => why,
                         End::Stopped(why) => why,
                         End::Failed(why) => why,
-                        End::Exhausted => format!("more than {MOST_ITERATIONS} iterations, nothing compared"),
+                        End::Apart(why) => why.to_owned(),
                     };
                     *tallies.1.entry(end).or_default() += 1;
                 }
@@ -151,7 +151,7 @@ fn one_draw(
     let Some(analysis) = analysis else { return (End::Reached, Vec::new()) };
     let outcome = Outcome::of(&analysis);
     let mut found = Vec::new();
-    if outcome.end == End::Exhausted {
+    if matches!(outcome.end, End::Apart(_)) {
         return (outcome.end, found);
     }
     for (which, relation) in ALL.iter().enumerate().filter(|(_, relation)| relation.name.contains(&options.only)) {

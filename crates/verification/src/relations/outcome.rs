@@ -38,11 +38,14 @@ pub enum End {
     Refused(String),
     /// On the way; why.
     Stopped(String),
-    /// Not within [`MOST_ITERATIONS`].
-    Exhausted,
+    /// In a way that nothing can be compared with: not within [`MOST_ITERATIONS`], or after a snap, to one of several shapes.
+    Apart(&'static str),
     /// With an equilibrium that nothing can be derived from, or that cannot be recorded: right for no problem.
     Failed(String),
 }
+
+const EXHAUSTED: &str = "too many iterations, nothing compared";
+const SNAPPED: &str = "a snap, nothing compared";
 
 /// A path that takes more iterations is left where it is: it creeps, as some past a limit point do. Most drawn paths take 10 to 60.
 pub const MOST_ITERATIONS: usize = 150;
@@ -81,10 +84,12 @@ impl Outcome {
             Ok(solution) => {
                 let is_lost = |why: &&String| why.contains(UNSTABLE);
                 let lost = solution.states.iter().find_map(|state| state.unmet_tolerance.as_ref().filter(is_lost));
-                (lost.map_or(End::Reached, |why| End::Stopped(why.clone())), solution)
+                let has_snapped = solution.states.iter().any(|state| !state.snaps.is_empty());
+                let reached = if has_snapped { End::Apart(SNAPPED) } else { End::Reached };
+                (lost.map_or(reached, |why| End::Stopped(why.clone())), solution)
             }
             Err(Error::NotConverged(ended)) => (End::Stopped(ended.to_string()), ended.reached),
-            Err(Error::Interrupted(ended)) => (End::Exhausted, ended.reached),
+            Err(Error::Interrupted(ended)) => (End::Apart(EXHAUSTED), ended.reached),
             Err(Error::Results(error)) => return none(End::Failed(error.to_string())),
             Err(error) => return none(End::Refused(error.to_string())),
         };
@@ -175,8 +180,8 @@ pub fn compare(first: &Outcome, second: &Outcome, rule: &Rule, measure: Measure)
         (End::Refused(_), End::Refused(_)) => return Verdict::Refused,
         (End::Reached, End::Reached) => false,
         (End::Stopped(_), End::Stopped(_)) => true,
-        (End::Exhausted, End::Exhausted | End::Reached | End::Stopped(_))
-        | (End::Reached | End::Stopped(_), End::Exhausted) => true,
+        (End::Apart(_), End::Apart(_) | End::Reached | End::Stopped(_))
+        | (End::Reached | End::Stopped(_), End::Apart(_)) => true,
         (End::Stopped(_), End::Reached) | (End::Reached, End::Stopped(_)) if rule.may_stop => {
             return Verdict::Stopped(0.0);
         }

@@ -11,7 +11,7 @@ use super::draw::Draw;
 use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 15] = [
+pub const NOT_DRAWN: [(&str, &str); 13] = [
     (
         "case: obstacle.displacement",
         "is for model files, where it is drawn; in a case file it is refused as soon as it is there",
@@ -29,11 +29,6 @@ pub const NOT_DRAWN: [(&str, &str); 15] = [
         "what buckles has two shapes, mirror images of each other as a rule, and a run takes either one",
     ),
     ("model: solver.imperfection", "the same"),
-    (
-        "case: solver.continuation = damped",
-        "differs from load only where a body snaps, and what it snaps to may be one of several shapes",
-    ),
-    ("model: solver.continuation = damped", "the same"),
     ("model: contact.method = none", "is refused"),
     ("model: contact.method = single-point", "the same"),
 ];
