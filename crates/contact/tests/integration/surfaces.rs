@@ -209,6 +209,22 @@ fn the_other_side_of_a_thin_wall_is_no_contact() {
     }
 }
 
+/// The upper lip of a slit ends in a tongue that hangs down past the end of the lower one: it lies behind the continuation of the lower lip's upper face, but in
+/// front of its end.
+#[test]
+fn what_hangs_down_in_front_of_an_end_does_not_touch_the_face_above_it() {
+    for kind in ElementKind::ALL {
+        let mut lattice = Lattice::uniform([0.0; 3], [4.4, 1.0, 3.0], [4, 1, 3]);
+        lattice.lines[0] = vec![0.0, 2.0, 4.0, 4.04, 4.4];
+        lattice.lines[2] = vec![0.0, 1.25, 1.75, 3.0];
+        let mesh = lattice.mesh(kind, |cell| cell[0] == 0 || cell[2] == 2 || cell[0] == 1 && cell[2] == 0).mesh;
+        let itself = model(&mesh, self_pair(&mesh));
+        let positions = moved(&mesh, |[x, y, z]| [x, y, if x > 4.01 { z - 0.8 } else { z }]);
+        let found = itself.search(&positions).blocks;
+        assert!(found.is_empty(), "{kind:?}: {:?}", found[0]);
+    }
+}
+
 fn points_of(blocks: &[ContactBlock]) -> Vec<(usize, usize, u64)> {
     let mut points: Vec<_> = (blocks.iter())
         .flat_map(|b| {
