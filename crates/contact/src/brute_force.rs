@@ -37,13 +37,13 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
                 normal_at_rest: unit_normal(&at_rest.tangents).0,
                 normal: unit_normal(&now.tangents).0,
             };
-            let is_stranger =
-                |m: usize| !surface_pair.is_self_contact || !are_neighbours(slave.face(slave_face), master.face(m));
+            let is_another = |m: usize| !surface_pair.is_self_contact || slave.face(slave_face) != master.face(m);
+            let is_neighbour = |m: usize| are_neighbours(slave.face(slave_face), master.face(m));
             let foot_on = |m: usize| {
                 project(master.kind, &master.face_positions(m, positions)[..n], now.position).map(|foot| (m, foot))
             };
             let all: Vec<(usize, Projection)> =
-                (0..master.num_faces()).filter(|&m| is_stranger(m)).filter_map(foot_on).collect();
+                (0..master.num_faces()).filter(|&m| is_another(m)).filter_map(foot_on).collect();
             let is_outside = |foot: &Projection| foot.excess > EDGE_TOLERANCE;
             // Rule 5 looks at the neighbours of the point's face, too.
             let is_covered = |face: usize| {
@@ -55,7 +55,7 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
                 .filter(|(_, foot)| foot.excess <= EXTENSION)
                 .filter(|(m, foot)| {
                     !surface_pair.is_self_contact
-                        || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position)
+                        || counts(&point, foot, on(master, *m, foot.xi, model.rest()).position, is_neighbour(*m))
                             && !(is_outside(foot) && is_covered(*m))
                 })
                 .min_by(|(_, a), (_, b)| {
@@ -63,8 +63,8 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
                 });
             let Some(&(master_face, projection)) = nearest else { continue };
             let depth = -projection.distance;
-            let is_far_side =
-                surface_pair.is_self_contact && all.iter().any(|(_, foot)| blocks(point.normal, foot, depth));
+            let is_far_side = surface_pair.is_self_contact
+                && all.iter().any(|(m, foot)| !is_neighbour(*m) && blocks(point.normal, foot, depth));
             if depth > 0.0 && depth <= surface_pair.reach && !is_far_side {
                 let number = surface_pair.first_point + slave_face * surface_pair.rule.len() + index;
                 found.push(Foot { slave_face, number, master_face, projection });

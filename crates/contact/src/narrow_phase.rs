@@ -149,7 +149,8 @@ impl<'a> Facing<'a> {
                     let [normal, normal_at_rest] = [&geometry, &at_rest].map(|g| unit_normal(&g.tangents).0);
                     SlavePoint { at_rest: at_rest.position, normal_at_rest, normal }
                 });
-                let found = self.closest([&candidates, &near], &mut order, geometry.position, slave_point.as_ref());
+                let found =
+                    self.closest(face, [&candidates, &near], &mut order, geometry.position, slave_point.as_ref());
                 let Some((master_face, foot)) = found else { continue };
                 if foot.distance >= self.margin + room(first + index) || foot.distance < -*reach {
                     continue;
@@ -199,7 +200,11 @@ impl<'a> Facing<'a> {
     fn is_candidate(&self, slave_face: usize, master_face: usize) -> bool {
         let Some([slaves, masters]) = &self.cones else { return true };
         !slaves[slave_face].never_opposes(&masters[master_face])
-            && !are_neighbours(self.surface_pair.slave.face(slave_face), self.surface_pair.master.face(master_face))
+            && self.surface_pair.slave.face(slave_face) != self.surface_pair.master.face(master_face)
+    }
+
+    fn are_neighbours(&self, slave_face: usize, master_face: usize) -> bool {
+        are_neighbours(self.surface_pair.slave.face(slave_face), self.surface_pair.master.face(master_face))
     }
 
     /// Rule 4 of [`crate::self_contact`], for a foot that the point lies behind.
@@ -211,10 +216,9 @@ impl<'a> Facing<'a> {
         slave: &SlavePoint,
         foot: &Projection,
     ) -> bool {
-        let SurfacePair { slave: surface, master, .. } = self.surface_pair;
         foot.distance < 0.0
             && near.iter().any(|&m| {
-                !are_neighbours(surface.face(slave_face), master.face(m))
+                !self.are_neighbours(slave_face, m)
                     && distance_to_box(point, &self.boxes[m]) < -foot.distance
                     && self.project(m, point).is_some_and(|other| blocks(slave.normal, &other, -foot.distance))
             })
@@ -242,6 +246,7 @@ impl<'a> Facing<'a> {
     /// best foot.
     fn closest(
         &self,
+        slave_face: usize,
         [candidates, near]: [&[usize]; 2],
         order: &mut Vec<(f64, usize)>,
         point: [f64; 3],
@@ -262,7 +267,7 @@ impl<'a> Facing<'a> {
             if foot.excess <= EXTENSION
                 && best.as_ref().is_none_or(|(b, p)| rank(face, &foot) < rank(*b, p))
                 && slave.is_none_or(|slave| {
-                    counts(slave, &foot, self.at_rest(face, &foot))
+                    counts(slave, &foot, self.at_rest(face, &foot), self.are_neighbours(slave_face, face))
                         && !(is_outside(&foot) && self.is_covered(face, near, point))
                 })
             {

@@ -3,11 +3,13 @@
 //! A surface that may touch itself is near itself everywhere: every point lies on its own face and next to its neighbours, and behind
 //! it, through the wall, lies the wall's other side, which looks like a face that the point has passed through. A foot counts if
 //!
-//! 1. its face shares no node with the point's face;
+//! 1. it is not on the point's own face. The faces beside that one count as others do: at a crease that closes from its bottom, as at the corner of a cavity
+//!    that is sucked in, they are the first that touch;
 //! 2. the deformed normals oppose each other clearly, n_s · n_m < −½. Surfaces that touch are parallel there; of the two faces beside a right-angled edge
 //!    that touches, one has −0.7 or less. So the points of faces that only stand beside the touching one do not count once more;
 //! 3. the point is no deeper behind the foot's face than a twentieth of their distance at rest, wherever the way from point to foot at
-//!    rest starts into the body, N_s · (X_m − X_s) < 0;
+//!    rest starts into the body, N_s · (X_m − X_s) < 0; between faces that share a node also where it goes along the surface, since a flat face that is
+//!    bent into a sharp ridge has normals like those of a closed crease;
 //! 4. no face between the two looks away from the point: if one with n_s · n > 0 is nearer and the point lies in front of it, then the
 //!    point is outside of the body that the foot belongs to, and the foot is on that body's far side;
 //! 5. where it lies beyond the edges of its face, no face beside that one has the point straight in front of it. Faces are continued to bridge
@@ -100,12 +102,14 @@ pub struct SlavePoint {
     pub normal: [f64; 3],
 }
 
-/// Whether a foot on a face that is no neighbour counts; `foot_at_rest` is its position at rest.
-pub fn counts(point: &SlavePoint, foot: &Projection, foot_at_rest: [f64; 3]) -> bool {
+/// Whether a foot on another face counts by the second and third rule; `foot_at_rest` is its position at rest, `is_neighbour` says whether the face shares
+/// a node with the point's.
+pub fn counts(point: &SlavePoint, foot: &Projection, foot_at_rest: [f64; 3], is_neighbour: bool) -> bool {
     let way = sub(foot_at_rest, point.at_rest);
     let length = dot(way, way).sqrt();
-    let goes_in = dot(way, point.normal_at_rest) < -ALONG * length;
-    dot(point.normal, foot.normal) < OPPOSED && !(goes_in && foot.distance < -DEPTH_SHARE * length)
+    let least_slope = if is_neighbour { ALONG } else { -ALONG };
+    let is_bound = dot(way, point.normal_at_rest) < least_slope * length;
+    dot(point.normal, foot.normal) < OPPOSED && !(is_bound && foot.distance < -DEPTH_SHARE * length)
 }
 
 /// Whether a foot beside the edge of another face shows that a point is in front of this one's face, and not in the wedge behind the edge.

@@ -209,6 +209,75 @@ fn the_other_side_of_a_thin_wall_is_no_contact() {
     }
 }
 
+/// Turns a block around its edge along y through the origin: what is at the angle `from` to the x axis comes to `to`, what is at a full turn stays.
+fn folded(mesh: &Mesh, from: f64, to: f64) -> Vec<[f64; 3]> {
+    moved(mesh, |[x, y, z]| {
+        let angle = z.atan2(x).rem_euclid(2.0 * PI);
+        let angle = if angle == 0.0 && z >= 0.0 { 2.0 * PI } else { angle };
+        let (sin, cos) = (2.0 * PI - (2.0 * PI - angle) * (2.0 * PI - to) / (2.0 * PI - from)).sin_cos();
+        let r = x.hypot(z);
+        [r * cos, y, r * sin]
+    })
+}
+
+/// Two arms of an angle, one face long, that are closed by 3° more than until they meet: nothing is deep in anything but next to the edge that both share.
+#[test]
+fn the_faces_of_a_crease_touch_from_its_bottom_on() {
+    const LENGTH: f64 = 2.0;
+    for kind in ElementKind::ALL {
+        let mut lattice = Lattice::uniform([-1.0, 0.0, -1.0], [LENGTH, 1.5, LENGTH], [2, 1, 2]);
+        for axis in [0, 2] {
+            lattice.lines[axis] = vec![-1.0, 0.0, LENGTH];
+        }
+        let mesh = lattice.mesh(kind, |cell| cell[0] == 0 || cell[2] == 0).mesh;
+        let itself = model(&mesh, self_pair(&mesh));
+        let open = itself.search(&folded(&mesh, 0.5 * PI, 0.01)).blocks;
+        assert!(open.is_empty(), "{kind:?}: {:?}", open[0]);
+        let by = 3.0_f64.to_radians();
+        let positions = folded(&mesh, 0.5 * PI, -by);
+        // Both faces with half the weight each: ½ k ∫ (s sin)² dA.
+        let expected = 0.5 * Contact::default().stiffness * by.sin().powi(2) * LENGTH.powi(3) / 3.0 * 1.5;
+        let found = total(&itself, &positions).energy;
+        assert!((found / expected - 1.0).abs() < 1e-9, "{kind:?}: {found} {expected}");
+        if kind == ElementKind::Hex8 {
+            check_derivatives(&itself, &positions, "crease");
+        }
+    }
+}
+
+#[test]
+fn the_sides_of_a_sharp_ridge_are_no_crease() {
+    for kind in ElementKind::ALL {
+        // A flat face that is bent, and a right-angled edge that is made sharper.
+        let flat = Lattice::uniform([-1.0, 0.0, -0.3], [1.0, 1.0, 0.0], [2, 1, 1]).mesh_all(kind);
+        let edge = Lattice::uniform([0.0, 0.0, -1.0], [1.0, 1.0, 0.0], [1, 1, 1]).mesh_all(kind);
+        for (mesh, from) in [(flat, PI), (edge, 1.5 * PI)] {
+            let itself = model(&mesh, self_pair(&mesh));
+            for angle in [25.0_f64, 10.0] {
+                let positions = folded(&mesh, from, 2.0 * PI - angle.to_radians());
+                let found = itself.search(&positions).blocks;
+                assert!(found.is_empty(), "{kind:?} {angle}: {:?}", found[0]);
+            }
+        }
+    }
+}
+
+/// The upper lip of a slit ends in a tongue that hangs down past the end of the lower one: it lies behind the continuation of the lower lip's upper face, but in
+/// front of its end.
+#[test]
+fn what_hangs_down_in_front_of_an_end_does_not_touch_the_face_above_it() {
+    for kind in ElementKind::ALL {
+        let mut lattice = Lattice::uniform([0.0; 3], [4.4, 1.0, 3.0], [4, 1, 3]);
+        lattice.lines[0] = vec![0.0, 2.0, 4.0, 4.04, 4.4];
+        lattice.lines[2] = vec![0.0, 1.25, 1.75, 3.0];
+        let mesh = lattice.mesh(kind, |cell| cell[0] == 0 || cell[2] == 2 || cell[0] == 1 && cell[2] == 0).mesh;
+        let itself = model(&mesh, self_pair(&mesh));
+        let positions = moved(&mesh, |[x, y, z]| [x, y, if x > 4.01 { z - 0.8 } else { z }]);
+        let found = itself.search(&positions).blocks;
+        assert!(found.is_empty(), "{kind:?}: {:?}", found[0]);
+    }
+}
+
 fn points_of(blocks: &[ContactBlock]) -> Vec<(usize, usize, u64)> {
     let mut points: Vec<_> = (blocks.iter())
         .flat_map(|b| {
