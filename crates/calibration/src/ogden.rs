@@ -19,6 +19,9 @@ const FOLLOWED: usize = 4;
 /// First step of the search, in thousandths.
 const FIRST_STEP: i32 = 512;
 
+/// First step of the search among all points, near what was found among some, in thousandths.
+const LAST_STEP: i32 = 16;
+
 /// Points of a test that the search looks at.
 const MOST_POINTS: usize = 150;
 
@@ -28,17 +31,17 @@ const WORTH_A_TERM: f64 = 0.7;
 /// A law that leaves less than this of the squares of the stresses, 0.1 % of the stress, needs no further term.
 const ENOUGH: f64 = 1e-6;
 
-/// Ogden's law with the exponents that fit best, of as few terms as follow the points nearly as well as more. Moduli of all terms are
-/// positive: the law is then stable in every deformation.
+/// Ogden's law with the exponents that fit best, of as few terms as follow the points nearly as well as more, or of a given number. Moduli
+/// of all terms are positive: the law is then stable in every deformation.
 ///
 /// # Errors
-/// Points that determine not even one term.
-pub fn find(tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
+/// Points that do not determine its terms, or not even one.
+pub fn find(tests: &[Test], residuals: Residuals, terms: Option<usize>) -> Result<Law, FitError> {
     let thinned: Vec<Test> = tests.iter().map(|test| test.thinned(MOST_POINTS)).collect();
     let squares = |exponents: &[i32]| share_left(Law::Ogden(Exponents::new(exponents)), &thinned, residuals);
     let mut best: Option<(f64, Vec<i32>)> = None;
     let mut before: Vec<Vec<i32>> = vec![Vec::new()];
-    for _ in 0..MOST_TERMS {
+    for number in 1..=terms.unwrap_or(MOST_TERMS) {
         let mut starts: Vec<(f64, Vec<i32>)> = Vec::new();
         for known in &before {
             for start in STARTS {
@@ -48,13 +51,20 @@ pub fn find(tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
         }
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         starts.truncate(FOLLOWED);
-        let mut found: Vec<(f64, Vec<i32>)> = starts.into_iter().map(|start| descend(start, &squares)).collect();
+        let follow = |start| descend(start, FIRST_STEP, &squares);
+        let mut found: Vec<(f64, Vec<i32>)> = starts.into_iter().map(follow).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let Some(first) = found.first().cloned() else { break };
-        if best.as_ref().is_some_and(|(sum, _)| first.0 > WORTH_A_TERM * sum) {
+        let Some(first) = found.first().cloned() else {
+            // A term that is asked for is not left out.
+            if terms.is_some() {
+                return Err(FitError::Undetermined(2 * number));
+            }
+            break;
+        };
+        if terms.is_none() && best.as_ref().is_some_and(|(sum, _)| first.0 > WORTH_A_TERM * sum) {
             break;
         }
-        let is_enough = first.0 < ENOUGH;
+        let is_enough = terms.is_none() && first.0 < ENOUGH;
         best = Some(first);
         if is_enough {
             break;
@@ -62,13 +72,19 @@ pub fn find(tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
         before = found.into_iter().map(|(_, exponents)| exponents).collect();
     }
     let (_, exponents) = best.ok_or(FitError::Undetermined(1))?;
+    let all = |exponents: &[i32]| share_left(Law::Ogden(Exponents::new(exponents)), tests, residuals);
+    let is_thinned = tests.iter().any(|test| test.points.len() > MOST_POINTS);
+    let exponents = match all(&exponents).filter(|_| is_thinned) {
+        Some(sum) => descend((sum, exponents), LAST_STEP, &all).1,
+        None => exponents,
+    };
     Ok(Law::Ogden(Exponents::new(&exponents)))
 }
 
 /// The pattern search of Hooke and Jeeves (1961): one exponent after the other, with smaller and smaller steps.
-fn descend(start: (f64, Vec<i32>), squares: &impl Fn(&[i32]) -> Option<f64>) -> (f64, Vec<i32>) {
+fn descend(start: (f64, Vec<i32>), first_step: i32, squares: &impl Fn(&[i32]) -> Option<f64>) -> (f64, Vec<i32>) {
     let (mut least, mut place) = start;
-    let mut step = FIRST_STEP;
+    let mut step = first_step;
     while step > 0 {
         let mut is_better = false;
         for k in 0..place.len() {

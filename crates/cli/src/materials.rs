@@ -159,6 +159,6 @@ fn table(index: usize) -> String {
         Some(_) => "as in the source".to_owned(),
         None => format!("{:.0} times the initial shear modulus (2 c10)", bulk / material.shear_modulus()),
     };
-    let fitted_to = entry.fit.map(|fit| fit.to);
+    let fitted_to = entry.fit.map(|fit| model::FittedTo::uniaxial(fit.to));
     snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)
 }

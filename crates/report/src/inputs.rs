@@ -77,6 +77,8 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("material.c02", "coefficient of (I₂ − 3)²", "MPa"),
     ("material.mu", "shares of the shear modulus at rest", "MPa"),
     ("material.alpha", "exponents of the principal stretches", ""),
+    ("material.shear_modulus", "shear modulus at rest", "MPa"),
+    ("material.jm", "I₁ − 3 at which it locks", ""),
     ("material.bulk_modulus", "bulk modulus", "MPa"),
     ("material.invariant", "first invariant in the energy", ""),
     ("material.volumetric", "energy of a change of volume", ""),
