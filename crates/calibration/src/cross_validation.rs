@@ -16,7 +16,7 @@ use pneuflex_model::FittedTo;
 use serde::Serialize;
 
 use crate::curve::Point;
-use crate::fit::{FitError, Residuals, Test, free_constants, is_stable_up_to, largest_i1_minus_3, chosen_law};
+use crate::fit::{FitError, Residuals, Test, chosen_law, free_constants, is_stable_up_to, largest_i1_minus_3};
 use crate::law::{Choice, Family, Law};
 
 /// Blocks of a test.
@@ -111,8 +111,7 @@ fn recommended(laws: &[Validation]) -> Option<usize> {
     let (_, best) = able().min_by(|a, b| a.1.error.total_cmp(&b.1.error))?;
     let bound = best.error + best.standard_error.max(NO_DIFFERENCE);
     let good = able().filter(|(_, law)| law.error <= bound);
-    let place =
-        good.min_by(|(_, a), (_, b)| a.constants.cmp(&b.constants).then(a.error.total_cmp(&b.error)))?.0;
+    let place = good.min_by(|(_, a), (_, b)| a.constants.cmp(&b.constants).then(a.error.total_cmp(&b.error)))?.0;
     Some(place)
 }
 
@@ -157,8 +156,7 @@ pub fn cross_validate(choice: Choice, tests: &[Test], residuals: Residuals) -> R
     let spread = inner.iter().map(|(weight, square)| weight * (square - mean).powi(2)).sum::<f64>() / sum;
     let error = mean.sqrt();
     // That of the mean square, carried over to its root.
-    let standard_error =
-        if error > 0.0 { (spread / (inner.len() - 1) as f64).sqrt() / (2.0 * error) } else { 0.0 };
+    let standard_error = if error > 0.0 { (spread / (inner.len() - 1) as f64).sqrt() / (2.0 * error) } else { 0.0 };
     Ok(Validation {
         law: choice.name(),
         options: choice.options(),

@@ -239,14 +239,20 @@ pub fn chosen_law(choice: impl Into<Choice>, tests: &[Test], residuals: Residual
     }
 }
 
+/// By how much the parameters of the shape are to change, by the linearised problem; `None` if they are not determined.
+pub(crate) fn step_of_shape(law: Law, tests: &[Test], residuals: Residuals) -> Option<Vec<f64>> {
+    let weights = weights(tests, residuals);
+    let constants = reduce(law, tests, &weights).ok()?.solve()?;
+    let mut step = linearised(law, &constants, tests, &weights)?.solve()?;
+    Some(step.split_off(constants.len()))
+}
+
 /// The problem linearised about a solution, with the parameters of the shape behind the moduli: what is known of all of them together;
 /// `None` if they are not determined.
 fn linearised(law: Law, constants: &[f64], tests: &[Test], weights: &Weights) -> Option<Reduced> {
     let points = || tests.iter().flat_map(|t| t.points.iter().map(move |p| (t.mode, p)));
     let rows: Vec<Vec<f64>> = points()
-        .map(|(mode, p)| {
-            [law.stress_basis(mode, p.stretch), law.stress_by_shape(constants, mode, p.stretch)].concat()
-        })
+        .map(|(mode, p)| [law.stress_basis(mode, p.stretch), law.stress_by_shape(constants, mode, p.stretch)].concat())
         .collect();
     let residuals: Vec<f64> = points().map(|(mode, p)| p.stress - law.stress(constants, mode, p.stretch)).collect();
     Reduced::new(&rows, &residuals, &weights.values, &weights.over_inverse_variance)

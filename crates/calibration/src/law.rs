@@ -48,25 +48,30 @@ pub fn power_stress(mode: Mode, stretch: f64, alpha: f64) -> f64 {
 /// Most terms of Ogden's law.
 pub const MOST_TERMS: usize = 3;
 
-/// Exponents α of Ogden's law, to a thousandth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Exponents α of Ogden's law.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponents {
-    thousandths: [i32; MOST_TERMS],
+    exponents: [f64; MOST_TERMS],
     terms: usize,
 }
 
 impl Exponents {
-    /// Of up to [`MOST_TERMS`] terms, none of them 0, in thousandths; further ones are left out.
-    pub fn new(thousandths: &[i32]) -> Self {
-        let terms = thousandths.len().min(MOST_TERMS);
-        let mut all = [0; MOST_TERMS];
-        all[..terms].copy_from_slice(&thousandths[..terms]);
-        Self { thousandths: all, terms }
+    /// Of up to [`MOST_TERMS`] terms, none of them 0; further ones are left out.
+    pub fn new(exponents: &[f64]) -> Self {
+        let terms = exponents.len().min(MOST_TERMS);
+        let mut all = [0.0; MOST_TERMS];
+        all[..terms].copy_from_slice(&exponents[..terms]);
+        Self { exponents: all, terms }
+    }
+
+    /// The same in thousandths.
+    pub fn of_thousandths(thousandths: &[i32]) -> Self {
+        Self::new(&thousandths.iter().map(|a| 1e-3 * f64::from(*a)).collect::<Vec<_>>())
     }
 
     /// The exponents.
     pub fn values(self) -> Vec<f64> {
-        self.thousandths[..self.terms].iter().map(|a| 1e-3 * f64::from(*a)).collect()
+        self.exponents[..self.terms].to_vec()
     }
 }
 
@@ -358,7 +363,7 @@ mod tests {
             }
             // α = 2 is neo-Hookean, μ = 2 C₁₀.
             let neo = Law::NeoHookean.stress(&[0.5], mode, 1.7);
-            assert!((Law::Ogden(Exponents::new(&[2000])).stress(&[1.0], mode, 1.7) - neo).abs() < 1e-14);
+            assert!((Law::Ogden(Exponents::of_thousandths(&[2000])).stress(&[1.0], mode, 1.7) - neo).abs() < 1e-14);
         }
     }
 

@@ -4,7 +4,7 @@ use pneuflex_model::FittedTo;
 
 use crate::bands::{TOLERANCE, bands};
 use crate::cross_validation::is_known_elsewhere;
-use crate::fit::{FitError, Residuals, Test, free_constants, chosen_law};
+use crate::fit::{FitError, Residuals, Test, chosen_law, free_constants};
 use crate::law::{Choice, Family, Law};
 
 /// Ranges are tried down to this engineering strain, which most actuators reach.

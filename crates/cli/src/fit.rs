@@ -14,7 +14,7 @@ use pneuflex::calibration::clean::{Cleaned, clean};
 use pneuflex::calibration::cross_validation::{Comparison, is_known_elsewhere};
 use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
 use pneuflex::calibration::fit::{
-    FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3, chosen_law,
+    FitError, FitOptions, LawFit, Residuals, Test, chosen_law, fit as fit_law, largest_i1_minus_3,
 };
 use pneuflex::calibration::law::{Choice, Family};
 use pneuflex::calibration::range::{Range, better_choice, fitted_to, longest_range};
@@ -299,9 +299,8 @@ fn snippet_of(chosen: Choice, material: &Material, fits: &[LawFit], (tests, fitt
         if !is_known_elsewhere(chosen.family, fitted) {
             comments.push("  fitted to one kind of test: NOT RELIABLE in other deformations".into());
         }
-        let limits: Vec<String> = (fit.stable.iter())
-            .filter_map(|range| Some(format!("{} {:.3}", range.mode.name(), range.high?)))
-            .collect();
+        let limits: Vec<String> =
+            (fit.stable.iter()).filter_map(|range| Some(format!("{} {:.3}", range.mode.name(), range.high?))).collect();
         if !limits.is_empty() {
             comments.push(format!("  stable up to stretches of: {}", limits.join(", ")));
         }

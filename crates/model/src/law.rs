@@ -248,8 +248,7 @@ enum LawName {
 }
 
 impl LawName {
-    const ALL: [Self; 6] =
-        [Self::Yeoh, Self::NeoHooke, Self::MooneyRivlin, Self::Polynomial, Self::Ogden, Self::Gent];
+    const ALL: [Self; 6] = [Self::Yeoh, Self::NeoHooke, Self::MooneyRivlin, Self::Polynomial, Self::Ogden, Self::Gent];
 
     fn of(law: &Law) -> Self {
         match *law {
@@ -359,10 +358,9 @@ impl Table {
                 c11: number(self.c11),
                 c02: number(self.c02),
             },
-            LawName::Gent => Law::Gent {
-                shear_modulus: needed("shear_modulus", self.shear_modulus)?,
-                jm: needed("jm", self.jm)?,
-            },
+            LawName::Gent => {
+                Law::Gent { shear_modulus: needed("shear_modulus", self.shear_modulus)?, jm: needed("jm", self.jm)? }
+            }
             LawName::Ogden => {
                 let [mu, alpha] = [("mu", &self.mu), ("alpha", &self.alpha)]
                     .map(|(key, list)| list.as_deref().ok_or(ConstantError::Missing(key)));

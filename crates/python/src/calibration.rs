@@ -7,11 +7,11 @@ use pneuflex::calibration::clean::{Cleaning, Cycles, clean};
 use pneuflex::calibration::curve::{
     self, ColumnChoice, Curve, DecimalSign, MAX_BYTES, Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit,
 };
-use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, chosen_law};
-use pneuflex::calibration::test_name;
+use pneuflex::calibration::fit::{FitOptions, Residuals, Test, chosen_law, fit as fit_law, largest_i1_minus_3};
 use pneuflex::calibration::law::{Choice, Family, Mode};
 use pneuflex::calibration::library::{ENTRIES, Entry, identifier};
 use pneuflex::calibration::range::{fitted_to, longest_range, up_to};
+use pneuflex::calibration::test_name;
 use pneuflex::model::Material;
 use pneuflex::{Error, InputError, input_file};
 use pyo3::prelude::*;

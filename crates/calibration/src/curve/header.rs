@@ -1,8 +1,8 @@
 //! What the names of columns mean.
 
 use super::unit::{StrainMeasure, StressMeasure, StressUnit};
-use crate::test_name;
 use crate::law::Mode;
+use crate::test_name;
 use crate::words::words_of;
 
 /// What a column holds.

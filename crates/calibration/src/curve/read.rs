@@ -7,8 +7,8 @@ use super::select::{Pair, Selection, select, title};
 use super::stress_measure;
 use super::table::{LOOK_AHEAD, Row, lines, separator, split};
 use super::unit::{StrainMeasure, StressMeasure};
-use crate::test_name;
 use crate::law::Mode;
+use crate::test_name;
 use crate::words::words_of;
 
 /// No rubber is stretched to more than this engineering strain.

@@ -6,9 +6,7 @@ use std::path::Path;
 use pneuflex_calibration::bands::bands;
 use pneuflex_calibration::clean::{Cleaning, clean};
 use pneuflex_calibration::curve::{Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit, read};
-use pneuflex_calibration::fit::{
-    FitError, FitOptions, LawFit, Residuals, Test, chosen_law, fit, largest_i1_minus_3,
-};
+use pneuflex_calibration::fit::{FitError, FitOptions, LawFit, Residuals, Test, chosen_law, fit, largest_i1_minus_3};
 use pneuflex_calibration::law::{Exponents, Family, Law, Mode};
 use pneuflex_calibration::library::ENTRIES;
 use pneuflex_calibration::range::{longest_range, up_to};
@@ -194,7 +192,7 @@ fn the_default_follows_silicones_from_small_strains_on() {
 /// A law of two terms is found again; on silicones and rubber Ogden's law follows as closely as Yeoh's, and is always stable.
 #[test]
 fn ogdens_exponents_are_found() {
-    let truth = Law::Ogden(Exponents::new(&[1600, 6300]));
+    let truth = Law::Ogden(Exponents::of_thousandths(&[1600, 6300]));
     let moduli = [0.12, 0.004];
     let tests = [synthetic(Mode::Uniaxial, |l| truth.stress(&moduli, Mode::Uniaxial, l))];
     let found = chosen_law(Family::Ogden, &tests, Residuals::Relative).unwrap();

@@ -10,18 +10,30 @@ use rand_chacha::ChaCha8Rng;
 fn truths() -> [(Choice, Law, Vec<f64>); 4] {
     [
         (Family::Yeoh.into(), Law::Yeoh, vec![0.05, 0.004, -4e-5]),
-        (Choice { family: Family::Ogden, terms: Some(1) }, Law::Ogden(Exponents::new(&[2500])), vec![0.1]),
-        (Choice { family: Family::Ogden, terms: Some(2) }, Law::Ogden(Exponents::new(&[1500, 6000])), vec![0.1, 0.002]),
+        (Choice { family: Family::Ogden, terms: Some(1) }, Law::Ogden(Exponents::of_thousandths(&[2500])), vec![0.1]),
+        (
+            Choice { family: Family::Ogden, terms: Some(2) },
+            Law::Ogden(Exponents::of_thousandths(&[1500, 6000])),
+            vec![0.1, 0.002],
+        ),
         (Family::Gent.into(), Law::Gent(60.0), vec![0.1]),
     ]
 }
 
+/// Tests that a law is fitted to: in uniaxial tension alone Ogden's exponents 6 and −12 are nearly the same.
+fn modes(choice: Choice) -> &'static [Mode] {
+    match choice.terms {
+        Some(2) => &[Mode::Uniaxial, Mode::Planar],
+        _ => &[Mode::Uniaxial],
+    }
+}
+
 /// Shares of so many draws in which the interval of each constant, the shape's behind the moduli, has the truth in it.
 fn coverage((choice, truth, moduli): &(Choice, Law, Vec<f64>), residuals: Residuals, draws: usize) -> Vec<f64> {
-    let stress = |stretch: f64| truth.stress(moduli, Mode::Uniaxial, stretch);
+    let of_mode = |mode: Mode, stretch: f64| truth.stress(moduli, mode, stretch);
     // The largest stresses rule absolute residuals; what relative ones suppose is a share of the stress.
     let noise = match residuals {
-        Residuals::Absolute => 0.004 * stress(5.8),
+        Residuals::Absolute => 0.004 * of_mode(Mode::Uniaxial, 5.8),
         Residuals::Relative => 0.02,
     };
     let mut random = ChaCha8Rng::seed_from_u64(7);
@@ -29,20 +41,24 @@ fn coverage((choice, truth, moduli): &(Choice, Law, Vec<f64>), residuals: Residu
     let mut covered = vec![0; exact.len()];
     for _ in 0..draws {
         let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
-        // Most points are at large strains, as in the files of machines.
-        let points = (1..=60).map(|i| {
-            let stretch = 1.0 + 0.08 * f64::from(i);
-            // At smaller strains than a tenth relative noise is that of a larger stress.
-            let scale = match residuals {
-                Residuals::Absolute => 1.0,
-                Residuals::Relative if i == 1 => 1.25 * stress(1.16),
-                Residuals::Relative => stress(stretch),
-            };
-            Point { stretch, stress: stress(stretch) + noise * scale * normal(), line: 1 }
-        });
-        let test = [Test { name: "simulated".into(), mode: Mode::Uniaxial, points: points.collect(), weight: 1.0 }];
-        let law = chosen_law(*choice, &test, residuals).unwrap();
-        let found = fit(law, &test, &FitOptions { residuals, stable_up_to: None }).unwrap();
+        let mut tests = Vec::new();
+        for &mode in modes(*choice) {
+            let stress = |stretch: f64| of_mode(mode, stretch);
+            // Most points are at large strains, as in the files of machines.
+            let points = (1..=60).map(|i| {
+                let stretch = 1.0 + 0.08 * f64::from(i);
+                // At smaller strains than a tenth relative noise is that of a larger stress.
+                let scale = match residuals {
+                    Residuals::Absolute => 1.0,
+                    Residuals::Relative if i == 1 => 1.25 * stress(1.16),
+                    Residuals::Relative => stress(stretch),
+                };
+                Point { stretch, stress: stress(stretch) + noise * scale * normal(), line: 1 }
+            });
+            tests.push(Test { name: "simulated".into(), mode, points: points.collect(), weight: 1.0 });
+        }
+        let law = chosen_law(*choice, &tests, residuals).unwrap();
+        let found = fit(law, &tests, &FitOptions { residuals, stable_up_to: None }).unwrap();
         // Terms in the order of their exponents.
         let mut all: Vec<_> = found.constants.iter().chain(&found.shape).collect();
         if found.shape.len() == 2 && found.shape[0].value > found.shape[1].value {
@@ -56,13 +72,13 @@ fn coverage((choice, truth, moduli): &(Choice, Law, Vec<f64>), residuals: Residu
     covered.into_iter().map(|number| f64::from(number as u32) / draws as f64).collect()
 }
 
-fn check(draws: usize) {
+fn check(draws: usize, [least, most]: [f64; 2]) {
     let mut missed = Vec::new();
     for truth in truths() {
         for residuals in [Residuals::Absolute, Residuals::Relative] {
             let shares = coverage(&truth, residuals, draws);
             println!("{} {residuals:?}: {shares:?} of {draws}", truth.0.name());
-            if !shares.iter().all(|share| (0.9..=0.99).contains(share)) {
+            if !shares.iter().all(|share| (least..=most).contains(share)) {
                 missed.push((truth.0.name(), residuals, shares));
             }
         }
@@ -70,14 +86,15 @@ fn check(draws: usize) {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
+/// With 60 draws a share of 95 % comes out above 85 % all but always.
 #[test]
 fn intervals_cover_the_truth() {
-    check(100);
+    check(60, [0.85, 1.0]);
 }
 
 /// Figures of docs/measurements.md.
 #[test]
 #[ignore = "some minutes"]
 fn intervals_cover_the_truth_in_400_draws() {
-    check(400);
+    check(400, [0.9, 0.99]);
 }

@@ -275,7 +275,8 @@ impl FitArguments {
             return Ok(choice);
         }
         let terms = self.terms.unwrap_or_default();
-        let message = format!("--terms {terms}: --law yeoh has 2 or 3 terms, --law ogden 1 to 3, the others take no --terms");
+        let message =
+            format!("--terms {terms}: --law yeoh has 2 or 3 terms, --law ogden 1 to 3, the others take no --terms");
         Err(InputError::new(message))
     }
 

@@ -234,7 +234,8 @@ pub fn comparison(comparison: &Comparison, chosen: Choice) -> String {
 }
 
 fn recommendation(comparison: &Comparison, best: &Validation, chosen: Choice) -> String {
-    let in_short = |law: &Validation| format!("{}: {:.1} % with {} constants", law.law, 100.0 * law.error, law.constants);
+    let in_short =
+        |law: &Validation| format!("{}: {:.1} % with {} constants", law.law, 100.0 * law.error, law.constants);
     let closest = comparison.laws.iter().filter(|law| law.is_able()).min_by(|a, b| a.error.total_cmp(&b.error));
     let why = match closest {
         Some(closest) if closest.law != best.law => {
