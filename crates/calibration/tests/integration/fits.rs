@@ -309,7 +309,7 @@ fn the_librarys_own_fits_are_those_of_the_stored_curves() {
         assert!(entry.constants[0] > 0.0);
         fitted += 1;
     }
-    assert_eq!(fitted, 17);
+    assert_eq!(fitted, 22);
 }
 
 #[test]
