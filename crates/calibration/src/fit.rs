@@ -15,7 +15,8 @@
 use crate::bands::{Band, bands};
 use crate::constrained;
 use crate::curve::Point;
-use crate::law::{Family, Law, Mode};
+use crate::gent;
+use crate::law::{Choice, Family, Law, Mode};
 use crate::ogden;
 use crate::regression::{Reduced, Statistics};
 use crate::stability::{StableRange, conditions, margin, stable_range, zero_slope};
@@ -99,12 +100,12 @@ pub enum FitError {
 pub struct Constant {
     /// Name.
     pub name: &'static str,
-    /// Value, MPa.
+    /// Value, MPa unless it is one of the shape.
     pub value: f64,
-    /// Standard error, MPa; none if the fit is held by the condition of stability, or has no degree of freedom.
+    /// Standard error, the same; none if the fit is held by the condition of stability, or has no degree of freedom.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub standard_error: Option<f64>,
-    /// Ends of the 95 % confidence interval, MPa.
+    /// Ends of the 95 % confidence interval.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confidence_95: Option<[f64; 2]>,
 }
@@ -137,11 +138,14 @@ pub struct LawFit {
     /// Exponents of Ogden's law.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub exponents: Vec<f64>,
-    /// Constants.
+    /// Moduli.
     pub constants: Vec<Constant>,
+    /// Fitted parameters without unit: exponents of Ogden's law, J_m of Gent's.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shape: Vec<Constant>,
     /// Initial shear modulus, MPa.
     pub shear_modulus_mpa: f64,
-    /// Correlations of the estimates of the constants.
+    /// Correlations of the estimates of the constants, and of the shape's behind them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correlation: Option<Vec<Vec<f64>>>,
     /// Agreement per test.
@@ -199,9 +203,10 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<LawFit, Fit
         _ => None,
     };
     // A solution on the edge of a condition has no symmetric interval.
-    // Nor have moduli whose exponents were fitted, too.
-    let has_interval = stable.is_none() && law.family() != Family::Ogden;
-    let statistics = if has_interval { reduced.statistics() } else { None };
+    let statistics = match stable {
+        Some(_) => None,
+        None => linearised(law, &free, tests, &weights).and_then(|all| all.statistics()),
+    };
     let held = options.stable_up_to.filter(|_| stable.is_some());
     let values = stable.unwrap_or(free);
     let fitted = describe(law, &values, statistics, tests, &weights.values, held);
@@ -218,17 +223,39 @@ pub fn free_constants(law: Law, tests: &[Test], residuals: Residuals) -> Result<
     reduced.solve().ok_or(FitError::Undetermined(law.constants().len()))
 }
 
-/// The law of a family: itself, or Ogden's with the exponents that fit best.
+/// The law that was chosen, with the exponents or the J_m that fit best.
 ///
 /// # Errors
-/// Points that determine no exponent.
-pub fn law_of_family(family: Family, tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
-    match family {
+/// Points that do not determine these.
+pub fn chosen_law(choice: impl Into<Choice>, tests: &[Test], residuals: Residuals) -> Result<Law, FitError> {
+    let choice = choice.into();
+    match choice.family {
+        Family::Yeoh if choice.terms == Some(2) => Ok(Law::YeohOfTwoTerms),
         Family::Yeoh => Ok(Law::Yeoh),
         Family::NeoHookean => Ok(Law::NeoHookean),
         Family::MooneyRivlin => Ok(Law::MooneyRivlin),
-        Family::Ogden => ogden::find(tests, residuals),
+        Family::Ogden => ogden::find(tests, residuals, choice.terms),
+        Family::Gent => gent::find(tests, residuals),
     }
+}
+
+/// By how much the parameters of the shape are to change, by the linearised problem; `None` if they are not determined.
+pub(crate) fn step_of_shape(law: Law, tests: &[Test], residuals: Residuals) -> Option<Vec<f64>> {
+    let weights = weights(tests, residuals);
+    let constants = reduce(law, tests, &weights).ok()?.solve()?;
+    let mut step = linearised(law, &constants, tests, &weights)?.solve()?;
+    Some(step.split_off(constants.len()))
+}
+
+/// The problem linearised about a solution, with the parameters of the shape behind the moduli: what is known of all of them together;
+/// `None` if they are not determined.
+fn linearised(law: Law, constants: &[f64], tests: &[Test], weights: &Weights) -> Option<Reduced> {
+    let points = || tests.iter().flat_map(|t| t.points.iter().map(move |p| (t.mode, p)));
+    let rows: Vec<Vec<f64>> = points()
+        .map(|(mode, p)| [law.stress_basis(mode, p.stretch), law.stress_by_shape(constants, mode, p.stretch)].concat())
+        .collect();
+    let residuals: Vec<f64> = points().map(|(mode, p)| p.stress - law.stress(constants, mode, p.stretch)).collect();
+    Reduced::new(&rows, &residuals, &weights.values, &weights.over_inverse_variance)
 }
 
 /// Share of the weighted sum of squares of the stresses that the best constants leave; `None` if there are none or one of them is not
@@ -317,7 +344,8 @@ fn states(limit: f64) -> impl Iterator<Item = [f64; 3]> {
     Mode::ALL.into_iter().flat_map(move |mode| (0..=STATES).map(move |i| state(mode, i)))
 }
 
-fn is_stable_up_to(law: Law, constants: &[f64], limit: f64) -> bool {
+/// Whether a law is stable in every deformation up to an I₁ − 3.
+pub(crate) fn is_stable_up_to(law: Law, constants: &[f64], limit: f64) -> bool {
     states(limit).all(|state| margin(law, constants, state) > 0.0)
 }
 
@@ -342,13 +370,18 @@ fn describe(
     weights: &[f64],
     held: Option<f64>,
 ) -> LawFit {
+    let shape = law.shape();
     let constant = |i: usize| {
         let half = statistics.as_ref().map(|s| s.half_widths[i]);
+        let (name, value) = match i.checked_sub(values.len()) {
+            None => (law.constants()[i], values[i]),
+            Some(k) => shape[k],
+        };
         Constant {
-            name: law.constants()[i],
-            value: values[i],
+            name,
+            value,
             standard_error: statistics.as_ref().map(|s| s.standard_errors[i]),
-            confidence_95: half.map(|h| [values[i] - h, values[i] + h]),
+            confidence_95: half.map(|h| [value - h, value + h]),
         }
     };
     let residual = |mode: Mode, p: &Point| law.stress(values, mode, p.stretch) - p.stress;
@@ -370,6 +403,7 @@ fn describe(
         law,
         exponents: law.exponents(),
         constants: (0..values.len()).map(constant).collect(),
+        shape: (values.len()..values.len() + shape.len()).map(constant).collect(),
         shear_modulus_mpa: law.shear_modulus(values),
         correlation: statistics.map(|s| s.correlation),
         tests: per_test,

@@ -9,152 +9,69 @@
 //! planar       λ, 1, λ⁻¹           P = 2 (λ − λ⁻³) (W₁ + W₂)
 //! ```
 //!
-//! with Wᵢ = ∂W/∂Iᵢ. All laws here are linear in their constants, Ogden's with its exponents given.
+//! with Wᵢ = ∂W/∂Iᵢ. All laws here are linear in their moduli, with parameters of their shape given: Ogden's exponents, Gent's J_m.
 
-use crate::words::words_of;
+pub use pneuflex_model::Mode;
 
-/// A homogeneous test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// Tension or compression along one axis.
-    Uniaxial,
-    /// Equal tension along two axes.
-    Equibiaxial,
-    /// Tension with the width held, also called pure shear.
-    Planar,
+/// What 2 W₁ and 2 W₂ are multiplied by in the nominal stress.
+pub fn stress_factors(mode: Mode, stretch: f64) -> [f64; 2] {
+    let e = stretch - 1.0;
+    match mode {
+        Mode::Uniaxial => {
+            let factor = e * (stretch * (stretch + 1.0) + 1.0) / (stretch * stretch);
+            [factor, factor / stretch]
+        }
+        Mode::Equibiaxial => {
+            let sum = 1.0 + stretch * (1.0 + stretch * (1.0 + stretch * (1.0 + stretch * (1.0 + stretch))));
+            let factor = e * sum / stretch.powi(5);
+            [factor, factor * stretch * stretch]
+        }
+        Mode::Planar => {
+            let factor = e * (stretch + 1.0) * (stretch * stretch + 1.0) / stretch.powi(3);
+            [factor, factor]
+        }
+    }
 }
 
-impl Mode {
-    /// All tests; their number is their place here.
-    pub const ALL: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
-
-    /// Name in messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Uniaxial => "uniaxial",
-            Self::Equibiaxial => "equibiaxial",
-            Self::Planar => "planar",
-        }
-    }
-
-    /// The test that a text names, by its usual names and abbreviations.
-    pub fn find(text: &str) -> Option<Self> {
-        let words = words_of(text);
-        let joined = words.concat();
-        let has = |parts: &[&str]| parts.iter().any(|p| joined.contains(p));
-        let is = |names: &[&str]| words.iter().any(|w| names.contains(&w.as_str()));
-        let found = [
-            has(&["uniaxial", "einachsig"])
-                || is(&["ut", "ua", "uni", "tension", "tensile", "compression", "zugversuch", "druckversuch"]),
-            has(&["biaxial", "zweiachsig"]) || is(&["et", "eb", "bt", "ebt", "equi"]),
-            has(&["planar", "pureshear"]) || is(&["ps"]),
-        ];
-        // "Planar tension" and "equibiaxial tension" are no uniaxial tests.
-        match found {
-            [_, true, true] => None,
-            [_, true, _] => Some(Self::Equibiaxial),
-            [_, _, true] => Some(Self::Planar),
-            [true, ..] => Some(Self::Uniaxial),
-            _ => None,
-        }
-    }
-
-    /// The test that a sentence or a name is about, by clear words alone: abbreviations stand in for too much else.
-    pub fn find_spelled_out(text: &str) -> Option<Self> {
-        let long: Vec<String> = words_of(text).into_iter().filter(|word| word.len() > 3).collect();
-        // "Pure shear" and "equi-biaxial" are two words.
-        Self::find(&long.join(" "))
-    }
-
-    /// The principal stretches at a stretch λ > 0 along the load.
-    pub fn stretches(self, stretch: f64) -> [f64; 3] {
-        match self {
-            Self::Uniaxial => [stretch, stretch.powf(-0.5), stretch.powf(-0.5)],
-            Self::Equibiaxial => [stretch, stretch, stretch.powi(-2)],
-            Self::Planar => [stretch, 1.0, stretch.recip()],
-        }
-    }
-
-    /// I₁ − 3, without loss of digits near rest.
-    pub fn i1_minus_3(self, stretch: f64) -> f64 {
-        let e = stretch - 1.0;
-        match self {
-            Self::Uniaxial => e * e * (stretch + 2.0) / stretch,
-            Self::Equibiaxial => {
-                let square = stretch * stretch;
-                (e * (stretch + 1.0) / square).powi(2) * (2.0 * square + 1.0)
-            }
-            Self::Planar => (e * (stretch + 1.0) / stretch).powi(2),
-        }
-    }
-
-    /// What 2 W₁ and 2 W₂ are multiplied by in the nominal stress.
-    pub fn stress_factors(self, stretch: f64) -> [f64; 2] {
-        let e = stretch - 1.0;
-        match self {
-            Self::Uniaxial => {
-                let factor = e * (stretch * (stretch + 1.0) + 1.0) / (stretch * stretch);
-                [factor, factor / stretch]
-            }
-            Self::Equibiaxial => {
-                let sum = 1.0 + stretch * (1.0 + stretch * (1.0 + stretch * (1.0 + stretch * (1.0 + stretch))));
-                let factor = e * sum / stretch.powi(5);
-                [factor, factor * stretch * stretch]
-            }
-            Self::Planar => {
-                let factor = e * (stretch + 1.0) * (stretch * stretch + 1.0) / stretch.powi(3);
-                [factor, factor]
-            }
-        }
-    }
-
-    /// Nominal stress of 2/α² (λ₁^α + λ₂^α + λ₃^α − 3): its derivative by the stretch, over the axes that are loaded.
-    pub fn power_stress(self, stretch: f64, alpha: f64) -> f64 {
-        // λ^a − λ^b = 2 λ^((a + b)/2) sinh((a − b)/2 ln λ) keeps its digits near rest.
-        let difference = |a: f64, b: f64| 2.0 * stretch.powf(0.5 * (a + b)) * (0.5 * (a - b) * stretch.ln()).sinh();
-        let across = match self {
-            Self::Uniaxial => -0.5 * alpha,
-            Self::Equibiaxial => -2.0 * alpha,
-            Self::Planar => -alpha,
-        };
-        2.0 / alpha * difference(alpha - 1.0, across - 1.0)
-    }
-
-    /// The largest stretch with this I₁ − 3 ≥ 0.
-    pub fn stretch_of(self, i1_minus_3: f64) -> f64 {
-        // I₁ − 3 grows with λ > 1, and is at least (λ − 1)² there in every test.
-        let (mut low, mut high) = (1.0, 1.0 + i1_minus_3.max(0.0).sqrt());
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if self.i1_minus_3(middle) < i1_minus_3 { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
-    }
+/// Nominal stress of 2/α² (λ₁^α + λ₂^α + λ₃^α − 3): its derivative by the stretch, over the axes that are loaded.
+pub fn power_stress(mode: Mode, stretch: f64, alpha: f64) -> f64 {
+    // λ^a − λ^b = 2 λ^((a + b)/2) sinh((a − b)/2 ln λ) keeps its digits near rest.
+    let difference = |a: f64, b: f64| 2.0 * stretch.powf(0.5 * (a + b)) * (0.5 * (a - b) * stretch.ln()).sinh();
+    let across = match mode {
+        Mode::Uniaxial => -0.5 * alpha,
+        Mode::Equibiaxial => -2.0 * alpha,
+        Mode::Planar => -alpha,
+    };
+    2.0 / alpha * difference(alpha - 1.0, across - 1.0)
 }
 
 /// Most terms of Ogden's law.
 pub const MOST_TERMS: usize = 3;
 
-/// Exponents α of Ogden's law, to a thousandth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Exponents α of Ogden's law.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponents {
-    thousandths: [i32; MOST_TERMS],
+    exponents: [f64; MOST_TERMS],
     terms: usize,
 }
 
 impl Exponents {
-    /// Of up to [`MOST_TERMS`] terms, none of them 0, in thousandths; further ones are left out.
-    pub fn new(thousandths: &[i32]) -> Self {
-        let terms = thousandths.len().min(MOST_TERMS);
-        let mut all = [0; MOST_TERMS];
-        all[..terms].copy_from_slice(&thousandths[..terms]);
-        Self { thousandths: all, terms }
+    /// Of up to [`MOST_TERMS`] terms, none of them 0; further ones are left out.
+    pub fn new(exponents: &[f64]) -> Self {
+        let terms = exponents.len().min(MOST_TERMS);
+        let mut all = [0.0; MOST_TERMS];
+        all[..terms].copy_from_slice(&exponents[..terms]);
+        Self { exponents: all, terms }
+    }
+
+    /// The same in thousandths.
+    pub fn of_thousandths(thousandths: &[i32]) -> Self {
+        Self::new(&thousandths.iter().map(|a| 1e-3 * f64::from(*a)).collect::<Vec<_>>())
     }
 
     /// The exponents.
     pub fn values(self) -> Vec<f64> {
-        self.thousandths[..self.terms].iter().map(|a| 1e-3 * f64::from(*a)).collect()
+        self.exponents[..self.terms].to_vec()
     }
 }
 
@@ -169,11 +86,13 @@ pub enum Family {
     MooneyRivlin,
     /// See [`Law::Ogden`]; its exponents are fitted.
     Ogden,
+    /// See [`Law::Gent`]; its J_m is fitted.
+    Gent,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Yeoh, Self::NeoHookean, Self::MooneyRivlin, Self::Ogden];
+    pub const ALL: [Self; 5] = [Self::Yeoh, Self::NeoHookean, Self::MooneyRivlin, Self::Ogden, Self::Gent];
 
     /// Name in texts.
     pub const fn name(self) -> &'static str {
@@ -182,6 +101,7 @@ impl Family {
             Self::NeoHookean => "neo-Hookean",
             Self::MooneyRivlin => "Mooney-Rivlin",
             Self::Ogden => "Ogden",
+            Self::Gent => "Gent",
         }
     }
 
@@ -192,27 +112,87 @@ impl Family {
             Self::NeoHookean => "neo-hooke",
             Self::MooneyRivlin => "mooney-rivlin",
             Self::Ogden => "ogden",
+            Self::Gent => "gent",
         }
     }
 }
 
-/// A law that is linear in its constants.
+/// A law as users choose it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// Its kind.
+    pub family: Family,
+    /// Its terms, for Yeoh 2 or 3, for Ogden 1 to 3; `None` for Yeoh's three, and for as many of Ogden's as are worth it.
+    pub terms: Option<usize>,
+}
+
+impl From<Family> for Choice {
+    fn from(family: Family) -> Self {
+        Self { family, terms: None }
+    }
+}
+
+impl Choice {
+    /// All laws of a given number of constants, those with few first.
+    pub const ALL: [Self; 8] = [
+        Self { family: Family::NeoHookean, terms: None },
+        Self { family: Family::Yeoh, terms: Some(2) },
+        Self { family: Family::MooneyRivlin, terms: None },
+        Self { family: Family::Gent, terms: None },
+        Self { family: Family::Ogden, terms: Some(1) },
+        Self { family: Family::Yeoh, terms: Some(3) },
+        Self { family: Family::Ogden, terms: Some(2) },
+        Self { family: Family::Ogden, terms: Some(3) },
+    ];
+
+    /// Whether its family has laws of so many terms.
+    pub fn is_possible(self) -> bool {
+        match (self.family, self.terms) {
+            (_, None) => true,
+            (Family::Yeoh, Some(terms)) => (2..=3).contains(&terms),
+            (Family::Ogden, Some(terms)) => (1..=MOST_TERMS).contains(&terms),
+            _ => false,
+        }
+    }
+
+    /// Name in texts.
+    pub fn name(self) -> String {
+        match (self.family, self.terms) {
+            (Family::Yeoh, Some(3)) | (_, None) => self.family.name().to_owned(),
+            (family, Some(terms)) => format!("{} of {terms} term{}", family.name(), if terms == 1 { "" } else { "s" }),
+        }
+    }
+
+    /// Options that choose it.
+    pub fn options(self) -> String {
+        let terms = self.terms.filter(|terms| (self.family, *terms) != (Family::Yeoh, 3));
+        format!("--law {}{}", self.family.key(), terms.map_or(String::new(), |terms| format!(" --terms {terms}")))
+    }
+}
+
+/// A law that is linear in its moduli.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// W = Σ Cᵢ₀ (I₁ − 3)ⁱ, i = 1…3 (Yeoh 1993).
     Yeoh,
+    /// The same with i = 1, 2.
+    YeohOfTwoTerms,
     /// W = C₁₀ (I₁ − 3).
     NeoHookean,
     /// W = C₁₀ (I₁ − 3) + C₀₁ (I₂ − 3).
     MooneyRivlin,
     /// W = Σ 2 μᵢ/αᵢ² (λ₁^αᵢ + λ₂^αᵢ + λ₃^αᵢ − 3) (Ogden 1972), with these exponents.
     Ogden(Exponents),
+    /// W = −½ μ J_m ln(1 − (I₁ − 3)/J_m) (Gent 1996), with this J_m.
+    Gent(f64),
 }
 
 impl serde::Serialize for Law {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(match self {
             Self::Yeoh => "yeoh",
+            Self::YeohOfTwoTerms => "yeoh-2",
+            Self::Gent(_) => "gent",
             Self::NeoHookean => "neo-hookean",
             Self::MooneyRivlin => "mooney-rivlin",
             Self::Ogden(_) => "ogden",
@@ -224,7 +204,8 @@ impl Law {
     /// Its kind.
     pub const fn family(self) -> Family {
         match self {
-            Self::Yeoh => Family::Yeoh,
+            Self::Yeoh | Self::YeohOfTwoTerms => Family::Yeoh,
+            Self::Gent(_) => Family::Gent,
             Self::NeoHookean => Family::NeoHookean,
             Self::MooneyRivlin => Family::MooneyRivlin,
             Self::Ogden(_) => Family::Ogden,
@@ -239,33 +220,74 @@ impl Law {
         }
     }
 
-    /// Name in texts.
-    pub const fn name(self) -> &'static str {
-        self.family().name()
+    /// Parameters that it is not linear in, none of them in MPa, with their names.
+    pub fn shape(self) -> Vec<(&'static str, f64)> {
+        const EXPONENTS: [&str; MOST_TERMS] = ["alpha1", "alpha2", "alpha3"];
+        match self {
+            Self::Ogden(exponents) => EXPONENTS.into_iter().zip(exponents.values()).collect(),
+            Self::Gent(jm) => vec![("Jm", jm)],
+            _ => Vec::new(),
+        }
     }
 
-    /// Names of the constants; all are in MPa.
+    /// Name in texts.
+    pub fn name(self) -> String {
+        let terms = match self {
+            Self::YeohOfTwoTerms => Some(2),
+            Self::Ogden(exponents) => Some(exponents.terms),
+            _ => None,
+        };
+        Choice { family: self.family(), terms }.name()
+    }
+
+    /// Names of the moduli; all are in MPa.
     pub fn constants(self) -> &'static [&'static str] {
         const MODULI: [&str; MOST_TERMS] = ["mu1", "mu2", "mu3"];
         match self {
             Self::Ogden(exponents) => &MODULI[..exponents.terms],
             Self::Yeoh => &["C10", "C20", "C30"],
+            Self::YeohOfTwoTerms => &["C10", "C20"],
+            Self::Gent(_) => &["mu"],
             Self::NeoHookean => &["C10"],
             Self::MooneyRivlin => &["C10", "C01"],
         }
     }
 
-    /// Nominal stress per unit of each constant.
+    /// Nominal stress per unit of each modulus; infinite where the law has no such state.
     pub fn stress_basis(self, mode: Mode, stretch: f64) -> Vec<f64> {
-        let [by_w1, by_w2] = mode.stress_factors(stretch).map(|f| 2.0 * f);
+        let [by_w1, by_w2] = stress_factors(mode, stretch).map(|f| 2.0 * f);
         match self {
             Self::Yeoh => {
                 let x = mode.i1_minus_3(stretch);
                 vec![by_w1, by_w1 * 2.0 * x, by_w1 * 3.0 * x * x]
             }
+            Self::YeohOfTwoTerms => vec![by_w1, by_w1 * 2.0 * mode.i1_minus_3(stretch)],
+            Self::Gent(jm) => {
+                let left = 1.0 - mode.i1_minus_3(stretch) / jm;
+                vec![if left > 0.0 { 0.5 * by_w1 / left } else { f64::INFINITY }]
+            }
             Self::NeoHookean => vec![by_w1],
             Self::MooneyRivlin => vec![by_w1, by_w2],
-            Self::Ogden(exponents) => exponents.values().into_iter().map(|a| mode.power_stress(stretch, a)).collect(),
+            Self::Ogden(exponents) => exponents.values().into_iter().map(|a| power_stress(mode, stretch, a)).collect(),
+        }
+    }
+
+    /// Derivatives of the nominal stress by the parameters of [`Law::shape`], MPa.
+    pub fn stress_by_shape(self, constants: &[f64], mode: Mode, stretch: f64) -> Vec<f64> {
+        match self {
+            Self::Ogden(exponents) => {
+                let slope = |(alpha, mu): (f64, &f64)| {
+                    let h = 1e-4 * alpha.abs();
+                    mu * (power_stress(mode, stretch, alpha + h) - power_stress(mode, stretch, alpha - h)) / (2.0 * h)
+                };
+                exponents.values().into_iter().zip(constants).map(slope).collect()
+            }
+            // P = μ f/(1 − x/J_m), f the factor of W₁.
+            Self::Gent(jm) => {
+                let x = mode.i1_minus_3(stretch);
+                vec![-self.stress(constants, mode, stretch) * x / (jm * (jm - x))]
+            }
+            _ => Vec::new(),
         }
     }
 
@@ -278,7 +300,8 @@ impl Law {
     pub fn with_constants(self, constants: &[f64]) -> pneuflex_model::Law {
         let get = |i: usize| constants.get(i).copied().unwrap_or(0.0);
         match self {
-            Self::Yeoh => pneuflex_model::Law::Yeoh { c10: get(0), c20: get(1), c30: get(2) },
+            Self::Gent(jm) => pneuflex_model::Law::Gent { shear_modulus: get(0), jm },
+            Self::Yeoh | Self::YeohOfTwoTerms => pneuflex_model::Law::Yeoh { c10: get(0), c20: get(1), c30: get(2) },
             Self::NeoHookean => pneuflex_model::Law::NeoHooke { c10: get(0) },
             Self::MooneyRivlin => {
                 pneuflex_model::Law::Polynomial { c10: get(0), c01: get(1), c20: 0.0, c11: 0.0, c02: 0.0 }
@@ -294,11 +317,11 @@ impl Law {
         }
     }
 
-    /// Initial shear modulus μ = 2 (C₁₀ + C₀₁), or the sum of Ogden's moduli, MPa.
+    /// Initial shear modulus μ = 2 (C₁₀ + C₀₁), or the sum of the moduli of Ogden and Gent, MPa.
     pub fn shear_modulus(self, constants: &[f64]) -> f64 {
         match self {
             Self::MooneyRivlin => 2.0 * constants.iter().sum::<f64>(),
-            Self::Ogden(_) => constants.iter().sum(),
+            Self::Ogden(_) | Self::Gent(_) => constants.iter().sum(),
             _ => 2.0 * constants[0],
         }
     }
@@ -316,13 +339,10 @@ mod tests {
                 let i1: f64 = squares.iter().sum();
                 assert!((mode.i1_minus_3(stretch) - (i1 - 3.0)).abs() < 1e-12 * i1);
                 // P₁ = σ₁/λ₁ with σ₁ = 2 (λ₁² − λ₃²) W₁ − 2 (λ₁⁻² − λ₃⁻²) W₂.
-                let [a, b] = mode.stress_factors(stretch);
+                let [a, b] = stress_factors(mode, stretch);
                 assert!((a - (squares[0] - squares[2]) / stretch).abs() < 1e-12 * a.abs());
                 assert!((b + (1.0 / squares[0] - 1.0 / squares[2]) / stretch).abs() < 1e-12 * b.abs(), "{mode:?}");
             }
-            let i1 = mode.i1_minus_3(3.7);
-            assert!((mode.stretch_of(i1) - 3.7).abs() < 1e-12);
-            assert_eq!(mode.stretch_of(0.0), 1.0);
         }
     }
 
@@ -337,13 +357,13 @@ mod tests {
                 for stretch in [0.6, 1.0, 1.4, 3.0] {
                     let h = 1e-5;
                     let expected = (energy(stretch + h) - energy(stretch - h)) / (2.0 * h * axes);
-                    let found = mode.power_stress(stretch, alpha);
+                    let found = power_stress(mode, stretch, alpha);
                     assert!((found - expected).abs() < 1e-7 * found.abs().max(1.0), "{mode:?} {alpha} {stretch}");
                 }
             }
             // α = 2 is neo-Hookean, μ = 2 C₁₀.
             let neo = Law::NeoHookean.stress(&[0.5], mode, 1.7);
-            assert!((Law::Ogden(Exponents::new(&[2000])).stress(&[1.0], mode, 1.7) - neo).abs() < 1e-14);
+            assert!((Law::Ogden(Exponents::of_thousandths(&[2000])).stress(&[1.0], mode, 1.7) - neo).abs() < 1e-14);
         }
     }
 
@@ -355,24 +375,8 @@ mod tests {
         {
             // 1 + 1e-9 is not 1e-9 away from 1 exactly.
             let e = (1.0 + strain) - 1.0;
-            assert!((mode.stress_factors(1.0 + strain)[0] / (factor * e) - 1.0).abs() < 1e-8);
+            assert!((stress_factors(mode, 1.0 + strain)[0] / (factor * e) - 1.0).abs() < 1e-8);
             assert!((mode.i1_minus_3(1.0 + strain) / (invariant * e * e) - 1.0).abs() < 1e-8);
-        }
-    }
-
-    #[test]
-    fn tests_have_many_names() {
-        for (text, mode) in [
-            ("UT", Some(Mode::Uniaxial)),
-            ("uniaxial_stress", Some(Mode::Uniaxial)),
-            ("ET", Some(Mode::Equibiaxial)),
-            ("Equi-biaxial", Some(Mode::Equibiaxial)),
-            ("pure shear", Some(Mode::Planar)),
-            ("planar tension", Some(Mode::Planar)),
-            ("simple shear", None),
-            ("stress", None),
-        ] {
-            assert_eq!(Mode::find(text), mode, "{text}");
         }
     }
 }

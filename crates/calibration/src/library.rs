@@ -85,7 +85,7 @@ const fn published(name: &'static str, source: &'static str, constants: [f64; 3]
 }
 
 /// All sets; those of one material follow each other, the one to try first in front.
-pub const ENTRIES: [Entry; 25] = [
+pub const ENTRIES: [Entry; 30] = [
     own(
         "Ecoflex 00-10",
         "ecoflex_00-10.csv",
@@ -105,6 +105,13 @@ pub const ENTRIES: [Entry; 25] = [
     moderate("Ecoflex 00-30", "ecoflex_00-30.csv", [0.00675976, 0.00124597, -0.000321011]),
     published("Ecoflex 00-30", sorotoki!("src/fem/materials/samples/Ecoflex0030.m", "d062777"), [0.0084, 0.0001, 0.0]),
     published("Ecoflex 00-30", sorotoki!("+preset/+material/Ecoflex0030.m", "ca7a079"), [0.017, -0.0002, 0.000023]),
+    own(
+        "Ecoflex 00-35 FAST",
+        "ecoflex_00-35_fast.csv",
+        7.228,
+        "uniaxial, stretch 1 to 7.2, within 8 % from 10 % strain on",
+        [0.0132916, 0.000508612, -2.94121e-6],
+    ),
     own(
         "Ecoflex 00-50",
         "ecoflex_00-50.csv",
@@ -141,6 +148,13 @@ pub const ENTRIES: [Entry; 25] = [
     moderate("Dragon Skin 30", "dragon_skin_30.csv", [0.0845025, 0.0169131, -0.00254093]),
     published("Dragon Skin 30", sorotoki!("+preset/+material/Dragonskin30.m", "ca7a079"), [0.1536, 0.0016, 0.0]),
     own(
+        "Dragon Skin FX Pro",
+        "dragon_skin_fx_pro.csv",
+        4.66,
+        "uniaxial, stretch 1 to 4.7, within 10 % from 10 % strain on",
+        [0.0139103, 0.000883834, -1.68062e-5],
+    ),
+    own(
         "Mold Star 16 FAST",
         "mold_star_16_fast.csv",
         7.591,
@@ -149,6 +163,20 @@ pub const ENTRIES: [Entry; 25] = [
     ),
     moderate("Mold Star 16 FAST", "mold_star_16_fast.csv", [0.0399136, 0.00475607, -0.000588779]),
     own(
+        "Mold Star 20T",
+        "mold_star_20t.csv",
+        7.341,
+        "uniaxial, stretch 1 to 7.3, within 8 % from 10 % strain on",
+        [0.0552268, 0.00287068, -2.4354e-5],
+    ),
+    own(
+        "PlatSil Gel 10",
+        "platsil_gel_10.csv",
+        3.91,
+        "uniaxial, stretch 1 to 3.9, within 10 % from 10 % strain on",
+        [0.0264394, 0.00370977, -0.000126726],
+    ),
+    own(
         "RTV615",
         "rtv615.csv",
         2.932,
@@ -156,6 +184,13 @@ pub const ENTRIES: [Entry; 25] = [
         [0.164446, 0.0135812, 0.000949677],
     ),
     moderate("RTV615", "rtv615.csv", [0.163416, 0.0160531, -3.64249e-5]),
+    own(
+        "SortaClear 40",
+        "sortaclear_40.csv",
+        6.0,
+        "uniaxial, stretch 1 to 6.0, within 3 % from 10 % strain on",
+        [0.138725, 0.0058554, -6.73871e-5],
+    ),
     published("Elastosil 28", sorotoki!("+preset/+material/Elastosil28.m", "ca7a079"), [0.11, 0.02, 0.0]),
     Entry {
         name: "Silicone of Meunier 2008",

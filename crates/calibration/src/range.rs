@@ -1,8 +1,11 @@
 //! How much of a curve a law can follow: fits up to the break are ruled by stresses that no actuator sees.
 
+use pneuflex_model::FittedTo;
+
 use crate::bands::{TOLERANCE, bands};
-use crate::fit::{FitError, Residuals, Test, free_constants, law_of_family};
-use crate::law::{Family, Law};
+use crate::cross_validation::is_known_elsewhere;
+use crate::fit::{FitError, Residuals, Test, chosen_law, free_constants};
+use crate::law::{Choice, Family, Law};
 
 /// Ranges are tried down to this engineering strain, which most actuators reach.
 const LEAST_STRAIN: f64 = 1.0;
@@ -35,13 +38,13 @@ pub struct Range {
 
 impl Range {
     /// Why points are left out, for a note; `None` if none are.
-    pub fn words(&self, family: Family) -> Option<String> {
+    pub fn words(&self, choice: Choice) -> Option<String> {
         let [error, at] = self.of_all;
         self.to.is_finite().then(|| {
             format!(
                 "points above stretch {:.3} are not fitted: with them {} would be off by {:.0} % at stretch {at:.2}",
                 self.to,
-                family.name(),
+                choice.name(),
                 100.0 * error
             )
         })
@@ -53,10 +56,11 @@ impl Range {
 ///
 /// # Errors
 /// As [`crate::fit::fit`], for all points.
-pub fn longest_range(family: Family, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
+pub fn longest_range(choice: impl Into<Choice>, tests: &[Test], residuals: Residuals) -> Result<Range, FitError> {
+    let choice = choice.into();
     let tests: &[Test] = &tests.iter().map(|test| test.thinned(MOST_POINTS)).collect::<Vec<_>>();
     let error = |tests: &[Test]| {
-        let law = law_of_family(family, tests, residuals)?;
+        let law = chosen_law(choice, tests, residuals)?;
         Ok::<_, FitError>(worst(law, &free_constants(law, tests, residuals)?, tests))
     };
     let of_all = error(tests)?;
@@ -80,19 +84,19 @@ pub fn longest_range(family: Family, tests: &[Test], residuals: Residuals) -> Re
     Ok(Range { to, error, of_all })
 }
 
-/// The family that follows the tests furthest, or closely where `own`, the range of the `chosen` one, is not: if there is one that is worth a
-/// word, with its range.
-pub fn better_family(chosen: Family, own: &Range, tests: &[Test], residuals: Residuals) -> Option<(Family, Range)> {
+/// The law that follows the tests furthest, or closely where `own`, the range of the `chosen` one, is not: if there is one that is worth a
+/// word, with its range. Laws that one kind of test does not determine in other deformations are not named.
+pub fn better_choice(chosen: Choice, own: &Range, tests: &[Test], residuals: Residuals) -> Option<(Choice, Range)> {
     let largest = tests.iter().map(Test::largest_stretch).fold(1.0, f64::max);
     let strain = |range: &Range| range.to.min(largest) - 1.0;
-    let (family, other) = Family::ALL
+    let (choice, other): (Choice, Range) = Family::ALL
         .into_iter()
-        .filter(|family| *family != chosen)
-        .filter_map(|family| Some((family, longest_range(family, tests, residuals).ok()?)))
+        .filter(|family| *family != chosen.family && is_known_elsewhere(*family, tests))
+        .filter_map(|family| Some((family.into(), longest_range(family, tests, residuals).ok()?)))
         .filter(|(_, other)| other.error <= own.error.max(TOLERANCE))
         .max_by(|a, b| strain(&a.1).total_cmp(&strain(&b.1)))?;
     let is_closer = own.error > TOLERANCE && other.error <= TOLERANCE;
-    (is_closer || strain(&other) > WORTH_ANOTHER_LAW * strain(own)).then_some((family, other))
+    (is_closer || strain(&other) > WORTH_ANOTHER_LAW * strain(own)).then_some((choice, other))
 }
 
 /// The tests without the points above a stretch.
@@ -113,9 +117,7 @@ fn worst(law: Law, constants: &[f64], tests: &[Test]) -> [f64; 2] {
     })
 }
 
-/// The largest stretch of tests, to three digits and no more than there is; `None` for compression alone.
-pub fn largest_stretch(tests: &[Test]) -> Option<f64> {
-    let largest = tests.iter().map(Test::largest_stretch).fold(1.0, f64::max);
-    let rounded = (1e3 * largest).floor() / 1e3;
-    (rounded > 1.0).then_some(rounded)
+/// How far the tests go, to three digits and no more than there is; `None` if there is no strain.
+pub fn fitted_to(tests: &[Test]) -> Option<FittedTo> {
+    FittedTo::of(tests.iter().flat_map(|test| test.points.iter().map(|p| (test.mode, p.stretch)))).rounded()
 }

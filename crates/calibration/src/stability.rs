@@ -39,15 +39,18 @@ pub fn conditions(law: Law, stretches: [f64; 3]) -> Vec<Vec<f64>> {
     let [a, b, c] = stretches.map(|l| l * l);
     match law {
         Law::NeoHookean => vec![vec![1.0]],
+        // Stable as far as it goes.
+        Law::Gent(jm) => vec![vec![if a + b + c - 3.0 < jm { 1.0 } else { -1.0 }]],
         // Enough for stability, and with one term needed: every term with a positive modulus is stable.
         Law::Ogden(_) => {
             let terms = law.constants().len();
             (0..terms).map(|i| (0..terms).map(|j| f64::from(i == j)).collect()).collect()
         }
-        Law::Yeoh => {
+        Law::Yeoh | Law::YeohOfTwoTerms => {
             let x = a + b + c - 3.0;
             let q = x + 3.0 - 9.0 / (a * b + b * c + c * a);
-            vec![vec![1.0, 2.0 * x, 3.0 * x * x], vec![1.0, 2.0 * (x + q), 3.0 * x * (x + 2.0 * q)]]
+            let all = [[1.0, 2.0 * x, 3.0 * x * x], [1.0, 2.0 * (x + q), 3.0 * x * (x + 2.0 * q)]];
+            all.map(|form| form[..law.constants().len()].to_vec()).into()
         }
         Law::MooneyRivlin => {
             // ∇²I₁ = 4 [[a + c, c], [c, b + c]], ∇²I₂ the same with the reciprocals.

@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 
 use pneuflex::calibration::bulk::largest_mean_stress;
 use pneuflex::calibration::clean::{Cleaned, clean};
+use pneuflex::calibration::cross_validation::{Comparison, is_known_elsewhere};
 use pneuflex::calibration::curve::{self, Curve, CurveError, MAX_BYTES, Point};
 use pneuflex::calibration::fit::{
-    FitError, FitOptions, LawFit, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family,
+    FitError, FitOptions, LawFit, Residuals, Test, chosen_law, fit as fit_law, largest_i1_minus_3,
 };
-use pneuflex::calibration::law::Family;
-use pneuflex::calibration::range::{Range, better_family, largest_stretch, longest_range};
+use pneuflex::calibration::law::{Choice, Family};
+use pneuflex::calibration::range::{Range, better_choice, fitted_to, longest_range};
 
 pub use arguments::FitArguments;
-use arguments::LawArgument;
 use pneuflex::model::Material;
 pub use report::significant;
 use report::{FileNote, FitFile, TestNote};
@@ -75,6 +75,7 @@ impl Prepared {
 /// # Errors
 /// Files or options that cannot be used, or results that cannot be written.
 pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
+    let chosen = arguments.choice()?;
     let (mut files, mut tests) = (Vec::new(), Vec::<Prepared>::new());
     for path in &arguments.files {
         let text = read(path)?;
@@ -88,14 +89,15 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
     }
     let better = match arguments.gives_end() {
         true => None,
-        false => shorten(&mut tests, chosen(arguments), arguments.residuals()),
+        false => shorten(&mut tests, chosen, arguments.residuals()),
     };
     let fitted: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     let largest = largest_i1_minus_3(&fitted);
-    let (fits, not_fitted) = fit_all(&fitted, &arguments.fit_options(largest)?);
+    let (fits, not_fitted) = fit_all(&fitted, chosen, &arguments.fit_options(largest)?);
     let material =
-        material(arguments, &fits, &fitted)?.map(|found| Material { fitted_to: largest_stretch(&fitted), ..found });
-    let snippet = material.as_ref().map(|m| snippet_of(arguments, m, &fits, &tests));
+        material(arguments, &fits, &fitted)?.map(|found| Material { fitted_to: fitted_to(&fitted), ..found });
+    let comparison = Comparison::new(&fitted, arguments.residuals());
+    let snippet = material.as_ref().map(|m| snippet_of(chosen, m, &fits, (&tests, &fitted)));
 
     let stem = arguments.files[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let default = || PathBuf::from("out").join(format!("{stem}-fit"));
@@ -109,6 +111,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         largest_i1_minus_3: largest,
         assumptions: report::ASSUMPTIONS,
         laws: &fits,
+        cross_validation: &comparison,
         not_fitted: not_fitted.iter().map(ToString::to_string).collect(),
         material,
     };
@@ -124,8 +127,26 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
         // One of an earlier fit would look like this one's.
         None => folder.remove("material.toml")?,
     }
-    let said = (better.as_deref(), snippet.as_deref());
-    print(arguments, &files, &tests, &fits, &not_fitted, largest, said);
+    if !arguments.quiet {
+        let mut text = report::reading(&files, &tests);
+        for fit in &fits {
+            text += &report::law(fit, largest, fit.law.family() == chosen.family);
+        }
+        for failure in &not_fitted {
+            text += &format!("\nnot fitted: {failure}\n");
+        }
+        text += &report::comparison(&comparison, chosen);
+        if !is_known_elsewhere(chosen.family, &fitted) {
+            text += &report::one_kind_of_test(chosen);
+        }
+        if let Some(better) = better {
+            text += &format!("\nhint: {better}\n");
+        }
+        text += "\n95 %: confidence intervals of regression, for independent residuals; scatter between specimens and batches is not part \
+                 of them.\n\n";
+        print(&text);
+    }
+    print(snippet.as_deref().unwrap_or_default());
     match snippet {
         Some(_) => {
             if !arguments.quiet {
@@ -134,7 +155,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
             Ok(Outcome::Converged)
         }
         None => {
-            let (reason, help) = why_no_constants(chosen(arguments), &fits, &not_fitted);
+            let (reason, help) = why_no_constants(chosen, &fits, &not_fitted);
             say(&format!(
                 "error: no constants for a case file: {reason}\n  help: {help}\n  what was computed is in {}",
                 folder.path().display()
@@ -146,7 +167,7 @@ pub fn fit(arguments: &FitArguments) -> Result<Outcome, CliError> {
 
 /// Leaves out what the chosen law cannot follow together with the strains that actuators see. A law that follows the curves further, or more
 /// closely, is named in a sentence.
-fn shorten(tests: &mut [Prepared], chosen: Family, residuals: Residuals) -> Option<String> {
+fn shorten(tests: &mut [Prepared], chosen: Choice, residuals: Residuals) -> Option<String> {
     let all: Vec<Test> = tests.iter().map(|t| t.test.clone()).collect();
     // What cannot be fitted is said later.
     let own = longest_range(chosen, &all, residuals).ok()?;
@@ -160,14 +181,14 @@ fn shorten(tests: &mut [Prepared], chosen: Family, residuals: Residuals) -> Opti
             cleaned.unused.extend(outside);
         }
     }
-    let (better, other) = better_family(chosen, &own, &all, residuals)?;
+    let (better, other) = better_choice(chosen, &own, &all, residuals)?;
     let largest = all.iter().map(Test::largest_stretch).fold(1.0, f64::max);
     let reach = |range: &Range| format!("to {:.2} within {:.0} %", range.to.min(largest), (100.0 * range.error).ceil());
     let [ours, theirs] = [reach(&own), reach(&other)];
     Some(format!(
-        "{} follows these points {theirs} (--law {}), {} {ours}; largest stretches and errors from 10 % strain on",
+        "{} follows these points {theirs} ({}), {} {ours}; largest stretches and errors from 10 % strain on",
         better.name(),
-        better.key(),
+        better.options(),
         chosen.name()
     ))
 }
@@ -192,19 +213,20 @@ fn place(name: &str, text: &str, error: &CurveError) -> CliError {
 
 /// A law that has no constants, and why.
 struct NotFitted {
-    family: Family,
+    choice: Choice,
     why: FitError,
 }
 
 impl fmt::Display for NotFitted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.family.name(), self.why)
+        write!(f, "{}: {}", self.choice.name(), self.why)
     }
 }
 
 /// Reason and advice where a law has no constants that a case file could use.
-fn why_no_constants(family: Family, fits: &[LawFit], not_fitted: &[NotFitted]) -> (String, &'static str) {
-    if let Some(failure) = not_fitted.iter().find(|f| f.family == family) {
+fn why_no_constants(chosen: Choice, fits: &[LawFit], not_fitted: &[NotFitted]) -> (String, &'static str) {
+    let family = chosen.family;
+    if let Some(failure) = not_fitted.iter().find(|f| f.choice == chosen) {
         let help = match failure.why {
             FitError::Undetermined(_) if family != Family::NeoHookean => {
                 "give more points at different stretches, or choose the law with one constant, --law neo-hooke"
@@ -221,37 +243,29 @@ fn why_no_constants(family: Family, fits: &[LawFit], not_fitted: &[NotFitted]) -
     let (key, modulus) = match family {
         Family::MooneyRivlin => ("c10 + c01", value(0) + value(1)),
         Family::Yeoh | Family::NeoHookean => ("c10", value(0)),
-        Family::Ogden => ("mu", value(0)),
+        Family::Ogden | Family::Gent => ("mu", value(0)),
     };
     let reason = format!("{}: its {key} = {} MPa is not greater than 0", family.name(), significant(modulus));
     (reason, "fit another range with --from and --to, or add --stable")
 }
 
-/// All laws that the points determine, and why the others are missing.
-fn fit_all(tests: &[Test], options: &FitOptions) -> (Vec<LawFit>, Vec<NotFitted>) {
+/// A law of every family, of the chosen number of terms in that of the chosen one; and why others are missing.
+fn fit_all(tests: &[Test], chosen: Choice, options: &FitOptions) -> (Vec<LawFit>, Vec<NotFitted>) {
     let (mut fits, mut failures) = (Vec::new(), Vec::new());
     for family in Family::ALL {
-        let law = law_of_family(family, tests, options.residuals);
+        let choice = if family == chosen.family { chosen } else { family.into() };
+        let law = chosen_law(choice, tests, options.residuals);
         match law.and_then(|law| fit_law(law, tests, options)) {
             Ok(fit) => fits.push(fit),
-            Err(why) => failures.push(NotFitted { family, why }),
+            Err(why) => failures.push(NotFitted { choice, why }),
         }
     }
     (fits, failures)
 }
 
-fn chosen(arguments: &FitArguments) -> Family {
-    match arguments.law {
-        LawArgument::Yeoh => Family::Yeoh,
-        LawArgument::NeoHooke => Family::NeoHookean,
-        LawArgument::MooneyRivlin => Family::MooneyRivlin,
-        LawArgument::Ogden => Family::Ogden,
-    }
-}
-
 /// The chosen law as a case file has it; `None` if the solver would refuse it.
 fn material(arguments: &FitArguments, fits: &[LawFit], tests: &[Test]) -> Result<Option<Material>, InputError> {
-    let family = chosen(arguments);
+    let family = arguments.choice()?.family;
     let of_fit = |fit: &LawFit| {
         let constants: Vec<f64> = fit.constants.iter().map(|constant| constant.value).collect();
         Material::from(fit.law.with_constants(&constants))
@@ -264,9 +278,9 @@ fn material(arguments: &FitArguments, fits: &[LawFit], tests: &[Test]) -> Result
     Ok(found.map(|material| Material { bulk_modulus, ..material }))
 }
 
-fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], tests: &[Prepared]) -> String {
+fn snippet_of(chosen: Choice, material: &Material, fits: &[LawFit], (tests, fitted): (&[Prepared], &[Test])) -> String {
     let mut comments = Vec::new();
-    for fit in fits.iter().filter(|f| f.law.family() == chosen(arguments)) {
+    for fit in fits.iter().filter(|f| f.law.family() == chosen.family) {
         comments.push(format!("{} fitted by pneuflex {} to", fit.law.name(), env!("CARGO_PKG_VERSION")));
         for (test, bands) in tests.iter().zip(&fit.bands) {
             let [low, high] = test.stretch_range();
@@ -282,6 +296,14 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
         if !fit.is_stable_in_range {
             comments.push("  NOT STABLE over this range; see pneuflex fit --stable".into());
         }
+        if !is_known_elsewhere(chosen.family, fitted) {
+            comments.push("  fitted to one kind of test: NOT RELIABLE in other deformations".into());
+        }
+        let limits: Vec<String> =
+            (fit.stable.iter()).filter_map(|range| Some(format!("{} {:.3}", range.mode.name(), range.high?))).collect();
+        if !limits.is_empty() {
+            comments.push(format!("  stable up to stretches of: {}", limits.join(", ")));
+        }
     }
     let ratio = material.bulk_modulus / material.shear_modulus();
     let words = material.law.shear_modulus_in_words();
@@ -289,31 +311,7 @@ fn snippet_of(arguments: &FitArguments, material: &Material, fits: &[LawFit], te
     snippet::material(&comments, material, &bulk)
 }
 
-fn print(
-    arguments: &FitArguments,
-    files: &[FileNote],
-    tests: &[Prepared],
-    fits: &[LawFit],
-    not_fitted: &[NotFitted],
-    largest: f64,
-    (better, snippet): (Option<&str>, Option<&str>),
-) {
-    let mut text = String::new();
-    if !arguments.quiet {
-        text += &report::reading(files, tests);
-        for fit in fits {
-            text += &report::law(fit, largest, fit.law.family() == chosen(arguments));
-        }
-        for failure in not_fitted {
-            text += &format!("\nnot fitted: {failure}\n");
-        }
-        if let Some(better) = better {
-            text += &format!("\nhint: {better}\n");
-        }
-        text += "\n95 %: confidence intervals of linear regression, for independent residuals; scatter between specimens and \
-                 batches is not part of them.\n\n";
-    }
-    text += snippet.unwrap_or("");
+fn print(text: &str) {
     // Nobody reading on is no error.
     let _ = io::stdout().write_all(text.as_bytes());
 }

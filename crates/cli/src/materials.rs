@@ -76,8 +76,11 @@ fn compare(index: usize, out: Option<&Path>) -> Result<String, CliError> {
     };
     let styles = [Style::Solid, Style::Dashed, Style::Dotted];
     let series = sets.iter().enumerate().map(|(i, &set)| {
-        Series::line(&format!("{}: {}", identifier(set), ENTRIES[set].range), curve(set))
-            .style(styles[i % styles.len()])
+        let kind = match ENTRIES[set].fit {
+            Some(fit) => format!("our fit to {:.1}", fit.to),
+            None => "published".to_owned(),
+        };
+        Series::line(&format!("{} ({kind})", identifier(set)), curve(set)).style(styles[i % styles.len()])
     });
     let chart = Chart {
         x_label: "stretch (1)".into(),
@@ -159,6 +162,6 @@ fn table(index: usize) -> String {
         Some(_) => "as in the source".to_owned(),
         None => format!("{:.0} times the initial shear modulus (2 c10)", bulk / material.shear_modulus()),
     };
-    let fitted_to = entry.fit.map(|fit| fit.to);
+    let fitted_to = entry.fit.map(|fit| model::FittedTo::uniaxial(fit.to));
     snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)
 }

@@ -4,30 +4,7 @@ use crate::hyperelastic::Hyperelastic;
 use crate::kinematics::Kinematics;
 use crate::tensor::{Response, Tangent, Tensor};
 
-/// A homogeneous state of an incompressible specimen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    /// λ, λ^(−1/2), λ^(−1/2).
-    Uniaxial,
-    /// λ, λ, λ⁻².
-    Equibiaxial,
-    /// λ, 1, λ⁻¹.
-    Planar,
-}
-
-impl Mode {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
-
-    /// Principal stretches; the last face is free.
-    pub fn stretches(self, l: f64) -> [f64; 3] {
-        match self {
-            Self::Uniaxial => [l, 1.0 / l.sqrt(), 1.0 / l.sqrt()],
-            Self::Equibiaxial => [l, l, 1.0 / (l * l)],
-            Self::Planar => [l, 1.0, 1.0 / l],
-        }
-    }
-}
+pub use pneuflex_model::Mode;
 
 const GENERIC: Tensor = [[0.31, -0.22, 0.15], [0.08, -0.17, 0.21], [-0.12, 0.19, 0.26]];
 const LARGE: Tensor = [[1.4, 0.7, -0.2], [0.3, -0.35, 0.4], [0.5, -0.3, 0.2]];

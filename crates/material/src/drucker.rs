@@ -10,6 +10,13 @@
 
 use crate::hyperelastic::Hyperelastic;
 use crate::kinematics::Kinematics;
+use pneuflex_model::Mode;
+
+/// Largest stretch that is looked at.
+pub const SEARCHED: f64 = 20.0;
+
+/// Between two stretches that are looked at, ln λ differs by this.
+const STEP: f64 = 5e-3;
 
 /// Whether a law is stable at principal stretches. What overflows is not.
 pub fn is_stable(law: &dyn Hyperelastic, stretches: [f64; 3]) -> bool {
@@ -24,6 +31,19 @@ pub fn is_stable(law: &dyn Hyperelastic, stretches: [f64; 3]) -> bool {
     let h = |i: usize, j: usize| second(i, j) - second(i, 2) - second(2, j) + second(2, 2);
     let (a, b, c) = (h(0, 0), h(1, 1), h(0, 1));
     a > 0.0 && b > 0.0 && a * b > c * c
+}
+
+/// The stretch up to which a law is stable in a test; `None` if that is beyond [`SEARCHED`].
+pub fn stable_up_to(law: &dyn Hyperelastic, mode: Mode) -> Option<f64> {
+    let is_stable = |log: f64| is_stable(law, mode.stretches(log.exp()));
+    let steps = (SEARCHED.ln() / STEP).ceil() as usize;
+    let first = (0..=steps).find(|&i| !is_stable(STEP * i as f64))?;
+    let (mut good, mut bad) = (STEP * first.saturating_sub(1) as f64, STEP * first as f64);
+    for _ in 0..50 {
+        let middle = 0.5 * (good + bad);
+        if is_stable(middle) { good = middle } else { bad = middle }
+    }
+    Some(good.exp())
 }
 
 impl Kinematics {

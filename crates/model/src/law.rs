@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fitted_to::FittedTo;
 use crate::range_check::{Problems, Quantity};
 
 /// Energy of a change of shape per reference volume. Bars mark the isochoric part J^(−1/3) F of the deformation gradient.
@@ -41,6 +42,13 @@ pub enum Law {
     Ogden {
         /// The terms.
         terms: Vec<OgdenTerm>,
+    },
+    /// −½ μ J_m ln(1 − (Ī₁ − 3)/J_m) (Gent 1996, *Rubber Chem. Technol.* 69).
+    Gent {
+        /// Shear modulus at rest μ, MPa.
+        shear_modulus: f64,
+        /// Value of Ī₁ − 3 at which the material locks; it is never reached.
+        jm: f64,
     },
 }
 
@@ -84,13 +92,14 @@ impl Law {
             Self::Yeoh { c10, .. } | Self::NeoHooke { c10 } => 2.0 * c10,
             Self::Polynomial { c10, c01, .. } => 2.0 * (c10 + c01),
             Self::Ogden { terms } => terms.iter().map(|term| term.mu).sum(),
+            Self::Gent { shear_modulus, .. } => *shear_modulus,
         }
     }
 
     /// Whether some stretch may be reached beyond which more strain takes less stress: not if every term of the energy is convex.
     pub fn may_give_way(&self) -> bool {
         match self {
-            Self::NeoHooke { .. } => false,
+            Self::NeoHooke { .. } | Self::Gent { .. } => false,
             Self::Yeoh { c20, c30, .. } => *c20 < 0.0 || *c30 < 0.0,
             // The product of two convex functions need not be convex.
             Self::Polynomial { c10, c01, c20, c11, c02 } => {
@@ -105,7 +114,7 @@ impl Law {
         match *self {
             Self::Yeoh { c10, c20, c30 } => Some([c10, c20, c30]),
             Self::NeoHooke { c10 } => Some([c10, 0.0, 0.0]),
-            Self::Polynomial { .. } | Self::Ogden { .. } => None,
+            Self::Polynomial { .. } | Self::Ogden { .. } | Self::Gent { .. } => None,
         }
     }
 
@@ -115,6 +124,7 @@ impl Law {
             Self::Yeoh { .. } | Self::NeoHooke { .. } => "2 c10",
             Self::Polynomial { .. } => "2 (c10 + c01)",
             Self::Ogden { .. } => "the sum of mu",
+            Self::Gent { .. } => "shear_modulus",
         }
     }
 
@@ -126,6 +136,13 @@ impl Law {
     pub(crate) fn check(&self, key: &impl Fn(&str) -> String, found: &mut Problems) {
         if let Self::Ogden { terms } = self {
             check_ogden(terms, key, found);
+            return;
+        }
+        if let Self::Gent { shear_modulus, jm } = self {
+            found.unless_positive(&key("shear_modulus"), *shear_modulus, Quantity::Stress);
+            if !(1e-3..=1e6).contains(jm) {
+                found.add(&key("jm"), jm, "must be a number from 0.001 to 1e6: the value of I1 - 3 at which it locks");
+            }
             return;
         }
         let constants = self.constants();
@@ -146,7 +163,24 @@ impl Law {
         }
     }
 
-    /// Constants that are single numbers, MPa, by their keys; none for Ogden's lists.
+    /// The same material with all stresses multiplied by a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let s = factor;
+        match self {
+            Self::Yeoh { c10, c20, c30 } => Self::Yeoh { c10: s * c10, c20: s * c20, c30: s * c30 },
+            Self::NeoHooke { c10 } => Self::NeoHooke { c10: s * c10 },
+            Self::Polynomial { c10, c01, c20, c11, c02 } => {
+                Self::Polynomial { c10: s * c10, c01: s * c01, c20: s * c20, c11: s * c11, c02: s * c02 }
+            }
+            Self::Ogden { terms } => {
+                Self::Ogden { terms: terms.iter().map(|term| OgdenTerm { mu: s * term.mu, ..*term }).collect() }
+            }
+            Self::Gent { shear_modulus, jm } => Self::Gent { shear_modulus: s * shear_modulus, jm: *jm },
+        }
+    }
+
+    /// Constants that are single numbers by their keys, MPa (J_m without unit); none for Ogden's lists.
     pub fn constants(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Yeoh { c10, c20, c30 } => vec![("c10", c10), ("c20", c20), ("c30", c30)],
@@ -158,6 +192,7 @@ impl Law {
                 vec![("c10", c10), ("c01", c01), ("c20", c20), ("c11", c11), ("c02", c02)]
             }
             Self::Ogden { .. } => Vec::new(),
+            Self::Gent { shear_modulus, jm } => vec![("shear_modulus", shear_modulus), ("jm", jm)],
         }
     }
 }
@@ -209,10 +244,11 @@ enum LawName {
     MooneyRivlin,
     Polynomial,
     Ogden,
+    Gent,
 }
 
 impl LawName {
-    const ALL: [Self; 5] = [Self::Yeoh, Self::NeoHooke, Self::MooneyRivlin, Self::Polynomial, Self::Ogden];
+    const ALL: [Self; 6] = [Self::Yeoh, Self::NeoHooke, Self::MooneyRivlin, Self::Polynomial, Self::Ogden, Self::Gent];
 
     fn of(law: &Law) -> Self {
         match *law {
@@ -221,6 +257,7 @@ impl LawName {
             Law::Polynomial { c20, c11, c02, .. } if [c20, c11, c02] == [0.0; 3] => Self::MooneyRivlin,
             Law::Polynomial { .. } => Self::Polynomial,
             Law::Ogden { .. } => Self::Ogden,
+            Law::Gent { .. } => Self::Gent,
         }
     }
 
@@ -231,6 +268,7 @@ impl LawName {
             Self::MooneyRivlin => "mooney-rivlin",
             Self::Polynomial => "polynomial",
             Self::Ogden => "ogden",
+            Self::Gent => "gent",
         }
     }
 
@@ -242,6 +280,7 @@ impl LawName {
             Self::MooneyRivlin => &["c10", "c01"],
             Self::Polynomial => &["c10", "c01", "c20", "c11", "c02"],
             Self::Ogden => &["mu", "alpha"],
+            Self::Gent => &["shear_modulus", "jm"],
         }
     }
 }
@@ -267,12 +306,16 @@ pub(crate) struct Table {
     mu: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     alpha: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shear_modulus: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jm: Option<f64>,
     pub(crate) bulk_modulus: Option<f64>,
     pub(crate) invariant: Option<Invariant>,
     pub(crate) volumetric: Volumetric,
     pub(crate) density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) fitted_to: Option<f64>,
+    pub(crate) fitted_to: Option<FittedTo>,
 }
 
 /// A constant of another law, or one that is missing.
@@ -315,6 +358,9 @@ impl Table {
                 c11: number(self.c11),
                 c02: number(self.c02),
             },
+            LawName::Gent => {
+                Law::Gent { shear_modulus: needed("shear_modulus", self.shear_modulus)?, jm: needed("jm", self.jm)? }
+            }
             LawName::Ogden => {
                 let [mu, alpha] = [("mu", &self.mu), ("alpha", &self.alpha)]
                     .map(|(key, list)| list.as_deref().ok_or(ConstantError::Missing(key)));
@@ -346,6 +392,8 @@ impl Table {
             c02: constant("c02"),
             mu,
             alpha,
+            shear_modulus: constant("shear_modulus"),
+            jm: constant("jm"),
             ..Self::default()
         }
     }
@@ -360,6 +408,8 @@ impl Table {
             ("c02", self.c02.is_some()),
             ("mu", self.mu.is_some()),
             ("alpha", self.alpha.is_some()),
+            ("shear_modulus", self.shear_modulus.is_some()),
+            ("jm", self.jm.is_some()),
         ];
         let keys = self.law.keys();
         let Some((key, _)) = written.into_iter().find(|(key, is_written)| *is_written && !keys.contains(key)) else {

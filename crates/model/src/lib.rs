@@ -4,6 +4,7 @@
 //! * [`model_file`]: the same for bodies of any shape, from mesh files and decks.
 //! * [`options`]: the tables that both have.
 //! * [`law`], [`material`]: hyperelastic laws and their constants; what else a material has.
+//! * [`fitted_to`]: the tests of materials, and how far constants were measured.
 //! * [`formulation`]: element formulations.
 //! * [`load`]: what acts on a body, as functions of the load parameter.
 //! * [`quantity`]: the load parameter, pressures.
@@ -17,6 +18,7 @@
 pub mod case;
 mod contact_stiffness;
 mod enrichment;
+pub mod fitted_to;
 pub mod formulation;
 pub mod law;
 pub mod load;
@@ -37,6 +39,7 @@ mod units;
 mod whole;
 
 pub use case::Case;
+pub use fitted_to::{FittedTo, Mode};
 pub use formulation::Formulation;
 pub use law::{Invariant, Law, OgdenTerm, Volumetric};
 pub use load::{Cavity, Control, Curve, Gas, LinearEquation, Motion};

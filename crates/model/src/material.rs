@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::fitted_to::FittedTo;
 use crate::law::{ConstantError, Invariant, Law, PAPER, Table, Volumetric};
 use crate::number::rounded;
 use crate::range_check::{CaseError, Problems, Quantity};
@@ -20,8 +21,8 @@ pub struct Material {
     pub invariant: Invariant,
     /// Density, g/cm³ (10⁻⁹ t/mm³); 0 is a weightless body.
     pub density: f64,
-    /// Largest stretch of the tests that the constants were fitted to, if that is known.
-    pub fitted_to: Option<f64>,
+    /// How far the tests went that the constants were fitted to, if that is known.
+    pub fitted_to: Option<FittedTo>,
 }
 
 impl Default for Material {
@@ -101,10 +102,14 @@ impl Material {
             );
         }
         // No rubber is stretched further than to some ten times its length.
-        if let Some(stretch) = self.fitted_to
-            && !(1.0 < stretch && stretch <= 100.0)
-        {
-            found.add(&key("fitted_to"), &stretch, "must be a stretch greater than 1, up to 100");
+        if let Some(fitted_to) = self.fitted_to {
+            for (mode, stretch) in fitted_to.tests().filter(|(_, stretch)| !(1.0 < *stretch && *stretch <= 100.0)) {
+                let allowed = format!("must be a stretch greater than 1, up to 100 ({} test)", mode.name());
+                found.add(&key("fitted_to"), &stretch, &allowed);
+            }
+            if fitted_to.tests().next().is_none() {
+                found.add(&key("fitted_to"), &"{}", "must have a stretch of a test: uniaxial, equibiaxial or planar");
+            }
         }
         found.0
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use pneuflex_model::load::Load;
 use pneuflex_model::{Case, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape, SymmetryPlane};
-use pneuflex_post::stress::material_limit;
+use pneuflex_post::stress::stability_limits;
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::{Analysis, Description};
@@ -132,10 +132,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
             material.bulk_modulus
         ),
     );
-    if let Some(limit) = material_limit(material) {
-        rows.add("", format!("gives way where the invariant exceeds 3 by {limit:.2}"));
-    } else if material.law.may_give_way() {
-        rows.add("", "it may give way: it is watched whether more strain takes more stress".into());
+    if let Some(limits) = where_it_gives_way(material) {
+        rows.add("", limits);
     }
     for support in &problem.supports {
         let held = axes(support.axes);
@@ -240,10 +238,12 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
     };
     if others > 0 {
         row("material", material("", others, volume(0), &problem.material));
+        where_it_gives_way(&problem.material).into_iter().for_each(|limits| row("", limits));
     }
     for (number, region) in problem.regions.iter().enumerate() {
         let volume = volume(number as u16 + 1);
         row("material", material(&format!("{}: ", region.name), region.elements.len(), volume, &region.material));
+        where_it_gives_way(&region.material).into_iter().for_each(|limits| row("", limits));
     }
     rows_of_quality(problem).into_iter().for_each(|text| row("quality", text));
     for (kind, sets) in [
@@ -328,6 +328,13 @@ fn rows_of_quality(problem: &Problem) -> Option<String> {
         "worst element {} near ({x:.2}, {y:.2}, {z:.2}) mm, scaled Jacobian {quality:.3} of 1{poor}",
         element + 1
     ))
+}
+
+/// The stretches beyond which a material answers more strain with less stress.
+fn where_it_gives_way(material: &Material) -> Option<String> {
+    let limits = stability_limits(material);
+    let all: Vec<String> = limits.iter().map(|(mode, limit)| format!("{} {limit:.2}", mode.name())).collect();
+    (!all.is_empty()).then(|| format!("gives way beyond stretches of: {}", all.join(", ")))
 }
 
 fn material(name: &str, elements: usize, volume: f64, material: &Material) -> String {

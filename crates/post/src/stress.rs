@@ -25,7 +25,7 @@ use pneuflex_laws::law_of;
 use pneuflex_material::{Kinematics, cofactor, drucker, volumetric};
 use pneuflex_mesh::mesh::determinant;
 use pneuflex_mesh::{ElementKind, ReferenceBody};
-use pneuflex_model::{Invariant, Material, Problem, Volumetric};
+use pneuflex_model::{FittedTo, Invariant, Material, Mode, Problem, Volumetric};
 
 use crate::error::{PostError, check};
 
@@ -45,10 +45,14 @@ pub struct StressPoint {
     pub von_mises: f64,
     /// The invariant the energy depends on, less its value 3 at rest: I₁ − 3 or Ī₁ − 3.
     pub invariant_minus_3: f64,
+    /// Ī₁ − 3, whatever the energy depends on.
+    pub isochoric_invariant_minus_3: f64,
     /// Whether more strain takes more stress there (Drucker's condition).
     pub is_stable: bool,
-    /// Largest principal stretch, where the material says to which stretch its constants were fitted; else 1.
+    /// The largest principal stretch, and the test whose deformation is most like that of the point.
     pub stretch: f64,
+    /// See `stretch`.
+    pub mode: Mode,
 }
 
 /// Stresses of a whole body in one state.
@@ -74,6 +78,16 @@ struct Local {
 /// `None` if there is none, or if the law is none in the first invariant alone: others are checked by [`StressField::unstable`]. The paper's constants have C₃₀ < 0 and reach it at 54.83 (theory §9).
 pub fn material_limit(material: &Material) -> Option<f64> {
     law_of(material).limit()
+}
+
+/// Stretches up to which a material is stable (Drucker's condition) in the tests in which it may give way.
+pub fn stability_limits(material: &Material) -> Vec<(Mode, f64)> {
+    if !material.law.may_give_way() {
+        return Vec::new();
+    }
+    let law = law_of(material);
+    let limit = |mode: Mode| drucker::stable_up_to(&*law, mode).map(|limit| (mode, limit));
+    Mode::ALL.into_iter().filter_map(limit).collect()
 }
 
 /// von Mises stress of a symmetric tensor (theory §3).
@@ -131,15 +145,14 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
                 }
             }
             strain_energy += model.law.energy_and_stress(&state.kinematics).0 * state.volume;
+            let isochoric = (state.kinematics.i1_minus_3 + 3.0) * state.kinematics.jacobian.powf(-2.0 / 3.0) - 3.0;
             let invariant_minus_3 = match material.invariant {
                 Invariant::Full => state.kinematics.i1_minus_3,
-                Invariant::Isochoric => {
-                    (state.kinematics.i1_minus_3 + 3.0) * state.kinematics.jacobian.powf(-2.0 / 3.0) - 3.0
-                }
+                Invariant::Isochoric => isochoric,
             };
             let von_mises = von_mises(stress);
-            let is_stable =
-                !may_give_way[number] || drucker::is_stable(&*model.law, state.kinematics.principal_stretches());
+            let stretches = state.kinematics.principal_stretches();
+            let is_stable = !may_give_way[number] || drucker::is_stable(&*model.law, stretches);
             points.push(StressPoint {
                 position,
                 volume: state.volume,
@@ -147,10 +160,9 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
                 von_mises,
                 invariant_minus_3,
                 is_stable,
-                stretch: match material.fitted_to {
-                    Some(_) => state.kinematics.principal_stretches().into_iter().fold(1.0, f64::max),
-                    None => 1.0,
-                },
+                stretch: stretches.into_iter().fold(0.0, f64::max),
+                mode: Mode::nearest(stretches),
+                isochoric_invariant_minus_3: isochoric,
             });
         }
     }
@@ -277,15 +289,18 @@ impl StressField {
         unstable.map(|(number, point)| (number / per_element, point)).collect()
     }
 
-    /// Integration points that are stretched further than the tests which their constants were fitted to: point and the largest stretch
-    /// of those tests.
-    pub fn beyond_fit<'a>(&'a self, problem: &Problem) -> Vec<(&'a StressPoint, f64)> {
+    /// Integration points that are stretched further than the tests which their constants were fitted to, by the test that they are most like:
+    /// point and tests.
+    pub fn beyond_fit<'a>(&'a self, problem: &Problem) -> Vec<(&'a StressPoint, FittedTo)> {
         let (materials, material_of) = problem.materials();
         let per_element = self.points_per_element.max(1);
         let fitted_to = |number: usize| materials[usize::from(material_of[number / per_element])].fitted_to;
+        let is_beyond = |point: &StressPoint, tests: &FittedTo| {
+            point.isochoric_invariant_minus_3 > tests.invariant_minus_3(point.mode)
+        };
         let points = self.points.iter().enumerate();
         points
-            .filter_map(|(number, point)| fitted_to(number).filter(|end| point.stretch > *end).map(|end| (point, end)))
+            .filter_map(|(number, point)| Some((point, fitted_to(number).filter(|tests| is_beyond(point, tests))?)))
             .collect()
     }
 
@@ -528,6 +543,8 @@ mod tests {
             invariant_minus_3: 0.0,
             is_stable: true,
             stretch: 1.0,
+            mode: Mode::Planar,
+            isochoric_invariant_minus_3: 0.0,
         };
         let field = StressField {
             points: vec![point(5.0, 1.0), point(1.0, 98.0), point(9.0, 1.0)],

@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use pneuflex_laws::law_of;
+use pneuflex_material::drucker;
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Problem, StateKind};
 use serde::{Deserialize, Serialize};
@@ -346,7 +348,7 @@ fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, Cav
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_limit(problem);
     let worst = stress::first_largest(beyond.iter(), |(_, point, _)| point.invariant_minus_3);
-    let Some((_, worst, limit)) = worst else { return instability_warning(stress) };
+    let Some((_, worst, limit)) = worst else { return instability_warning(problem, stress) };
     let [x, y, z] = worst.position;
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: the invariant exceeds 3 \
@@ -361,29 +363,44 @@ const BEYOND_FIT: f64 = 1e-3;
 /// Beyond what was measured, whatever the law can bear.
 fn beyond_fit(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let beyond = stress.beyond_fit(problem);
-    let (worst, end) = stress::first_largest(beyond.iter(), |(point, _)| point.stretch)?;
+    // How far beyond: tests of other kinds end at other stretches.
+    let (worst, end) = stress::first_largest(beyond.iter(), |(point, tests)| {
+        point.isochoric_invariant_minus_3 / tests.invariant_minus_3(point.mode)
+    })?;
     let share = beyond.iter().map(|(point, _)| point.volume).sum::<f64>()
         / stress.points.iter().map(|point| point.volume).sum::<f64>();
     let [x, y, z] = worst.position;
     (share > BEYOND_FIT).then(|| {
+        let (mode, known) = (worst.mode, end.invariant_minus_3(worst.mode));
+        let known = match end.tests().any(|(tested, _)| tested == mode) {
+            true => String::new(),
+            false => format!(", which no test was; what was measured of others leads to {:.2}", mode.stretch_of(known)),
+        };
         format!(
             "{:.1} % of the body are stretched further than the tests that the constants were fitted to ({end}), most at \
-             ({x:.2}, {y:.2}, {z:.2}) mm: to {:.2}",
+             ({x:.2}, {y:.2}, {z:.2}) mm: to {:.2} in a deformation like {} tension{known}",
             100.0 * share,
-            worst.stretch
+            worst.stretch,
+            mode.name()
         )
     })
 }
 
 /// Below a limit of the invariant, or for laws without one.
-fn instability_warning(stress: &stress::StressField) -> Option<String> {
+fn instability_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
     let unstable = stress.unstable();
-    let (_, worst) = stress::first_largest(unstable.iter(), |(_, point)| point.invariant_minus_3)?;
+    let (element, worst) = stress::first_largest(unstable.iter(), |(_, point)| point.invariant_minus_3)?;
     let [x, y, z] = worst.position;
+    let (materials, material_of) = problem.materials();
+    let law = law_of(materials[usize::from(material_of[*element])]);
+    let limit = drucker::stable_up_to(&*law, worst.mode)
+        .map_or(String::new(), |limit| format!(", which they describe to {limit:.2}"));
     Some(format!(
         "the material gives way at {} integration points, most at ({x:.2}, {y:.2}, {z:.2}) mm: there these constants answer more strain \
-         with less stress (Drucker's condition)",
-        unstable.len()
+         with less stress (Drucker's condition), at a stretch of {:.2} in a deformation like {} tension{limit}",
+        unstable.len(),
+        worst.stretch,
+        worst.mode.name()
     ))
 }
 
@@ -404,7 +421,7 @@ impl Described {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
-    use pneuflex_model::{Material, Shape};
+    use pneuflex_model::{FittedTo, Material, Mode, Shape};
 
     #[test]
     fn a_state_at_rest_is_described() {
@@ -505,7 +522,8 @@ mod tests {
         };
         let summary = describe(&problem, &BTreeMap::new(), &state).unwrap().summary;
         assert!((summary.max_invariant_minus_3 - (62.0 + 1.0 / 64.0)).abs() < 1e-9);
-        let fitted = Material { fitted_to: Some(4.0), ..Material::yeoh(0.27, 0.03, 0.0) };
+        let fitted_to = FittedTo::of([(Mode::Uniaxial, 5.0), (Mode::Planar, 4.0)]);
+        let fitted = Material { fitted_to: Some(fitted_to), ..Material::yeoh(0.27, 0.03, 0.0) };
         let measured = |stretch: f64| {
             let problem = Problem { material: fitted.clone(), ..problem.clone() };
             let u = displacement_of(&problem, |x| [(stretch - 1.0) * x[0], 0.0, (1.0 / stretch - 1.0) * x[2]]);
@@ -515,9 +533,9 @@ mod tests {
                 .beyond_fit
         };
         assert_eq!(measured(3.99), None);
-        assert!(
-            measured(4.01).is_some_and(|text| text.contains("100.0 % of the body") && text.contains("fitted to (4)"))
-        );
+        let text = measured(4.01).unwrap();
+        assert!(text.contains("100.0 % of the body") && text.contains("(uniaxial 5, planar 4)"), "{text}");
+        assert!(text.ends_with("to 4.01 in a deformation like planar tension"), "{text}");
         let warning = summary.warning.unwrap();
         assert!(warning.contains("2904 integration points") && warning.contains("54.83"), "{warning}");
     }

@@ -7,10 +7,11 @@ use pneuflex::calibration::clean::{Cleaning, Cycles, clean};
 use pneuflex::calibration::curve::{
     self, ColumnChoice, Curve, DecimalSign, MAX_BYTES, Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit,
 };
-use pneuflex::calibration::fit::{FitOptions, Residuals, Test, fit as fit_law, largest_i1_minus_3, law_of_family};
-use pneuflex::calibration::law::{Family, Mode};
+use pneuflex::calibration::fit::{FitOptions, Residuals, Test, chosen_law, fit as fit_law, largest_i1_minus_3};
+use pneuflex::calibration::law::{Choice, Family, Mode};
 use pneuflex::calibration::library::{ENTRIES, Entry, identifier};
-use pneuflex::calibration::range::{largest_stretch, longest_range, up_to};
+use pneuflex::calibration::range::{fitted_to, longest_range, up_to};
+use pneuflex::calibration::test_name;
 use pneuflex::model::Material;
 use pneuflex::{Error, InputError, input_file};
 use pyo3::prelude::*;
@@ -78,6 +79,7 @@ pub fn fit(
     py: Python<'_>,
     curves: Vec<Weighted>,
     law: &str,
+    terms: Option<usize>,
     range: (f64, Option<f64>),
     cycles: &str,
     keeps_break: bool,
@@ -86,8 +88,11 @@ pub fn fit(
     stable: Option<f64>,
     is_stable: bool,
 ) -> PyResult<String> {
-    let wanted = one_of(py, "law", Some(law), family_of, "yeoh, neo-hooke, mooney-rivlin or ogden")?;
-    let wanted = wanted.unwrap_or(Family::Yeoh);
+    let wanted = one_of(py, "law", Some(law), family_of, "yeoh, neo-hooke, mooney-rivlin, ogden or gent")?;
+    let wanted = Choice { family: wanted.unwrap_or(Family::Yeoh), terms };
+    if !wanted.is_possible() {
+        return Err(wrong(py, "terms: yeoh has 2 or 3, ogden 1 to 3, the others have none".into()));
+    }
     let cycles = match cycles {
         "last" => Cycles::Last,
         "first" => Cycles::First,
@@ -120,12 +125,12 @@ pub fn fit(
     let largest = largest_i1_minus_3(&tests);
     let options = FitOptions { residuals, stable_up_to: is_stable.then(|| stable.unwrap_or(largest)) };
     apart(py, || {
-        // Ogden's exponents are looked for before its moduli.
-        let found = law_of_family(wanted, &tests, residuals).and_then(|law| fit_law(law, &tests, &options));
+        // The exponents of Ogden's law and the J_m of Gent's are looked for before the moduli.
+        let found = chosen_law(wanted, &tests, residuals).and_then(|law| fit_law(law, &tests, &options));
         let found = found.map_err(|error| InputError::new(format!("{} cannot be fitted: {error}", wanted.name())))?;
         let material = Material::from(found.law.with_constants(&found.values()));
         let bulk_modulus = bulk_modulus(material.shear_modulus(), largest_mean_stress(&tests));
-        let material = Material { fitted_to: largest_stretch(&tests), bulk_modulus, ..material };
+        let material = Material { fitted_to: fitted_to(&tests), bulk_modulus, ..material };
         let problems = material.problems("material");
         if let Some(problem) = problems.first() {
             return Err(InputError::new(format!("the fitted constants cannot be used: {problem}")).into());
@@ -160,7 +165,7 @@ fn one_of<T>(
 }
 
 fn mode(py: Python<'_>, text: &str) -> PyResult<Mode> {
-    Mode::find(text).ok_or_else(|| {
+    test_name::find(text).ok_or_else(|| {
         wrong(py, format!("\"{text}\" is no kind of test: it must be uniaxial, equibiaxial or planar (pure shear)"))
     })
 }

@@ -16,7 +16,7 @@ pub fn check(name: &str, material: &Material) -> Result<(), ReferenceError> {
     let Material { law, bulk_modulus: _, volumetric: _, invariant, density: _, fitted_to: _ } = material;
     match (law, invariant) {
         (Law::Yeoh { .. } | Law::NeoHooke { .. }, _) | (_, Invariant::Isochoric) => Ok(()),
-        (Law::Polynomial { .. } | Law::Ogden { .. }, Invariant::Full) => {
+        (Law::Polynomial { .. } | Law::Ogden { .. } | Law::Gent { .. }, Invariant::Full) => {
             Err(ReferenceError::NotModelled { part: Unmodelled::FullInvariant, name: name.into() })
         }
     }
@@ -46,6 +46,10 @@ pub fn deviatoric<D: Dual>(material: &Material, g: &[[D; 3]; 3]) -> D {
             let i2 = (i1 * i1 - trace(&product(&c, &c))) * 0.5;
             let (x, y) = (scale * i1 - 3.0, scale * scale * i2 - 3.0);
             x * *c10 + y * *c01 + x * x * *c20 + x * y * *c11 + y * y * *c02
+        }
+        Law::Gent { shear_modulus, jm } => {
+            let left = (scale * i1 - 3.0) * (-1.0 / jm) + 1.0;
+            left.ln() * (-0.5 * shear_modulus * jm)
         }
         // λ̄₁^α + λ̄₂^α + λ̄₃^α = tr exp(α/2 ln C̄).
         Law::Ogden { terms } => {

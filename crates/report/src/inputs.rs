@@ -77,11 +77,16 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("material.c02", "coefficient of (I₂ − 3)²", "MPa"),
     ("material.mu", "shares of the shear modulus at rest", "MPa"),
     ("material.alpha", "exponents of the principal stretches", ""),
+    ("material.shear_modulus", "shear modulus at rest", "MPa"),
+    ("material.jm", "I₁ − 3 at which it locks", ""),
     ("material.bulk_modulus", "bulk modulus", "MPa"),
     ("material.invariant", "first invariant in the energy", ""),
     ("material.volumetric", "energy of a change of volume", ""),
     ("material.density", "density", "g/cm³"),
-    ("material.fitted_to", "largest stretch of the tests behind the constants", ""),
+    ("material.fitted_to", "largest stretch of the uniaxial test behind the constants", ""),
+    ("material.fitted_to.uniaxial", "the same", ""),
+    ("material.fitted_to.equibiaxial", "that of an equibiaxial test", ""),
+    ("material.fitted_to.planar", "that of a planar test", ""),
     ("region.name", "name", ""),
     ("region.elements", "element set", ""),
     ("region.box", "two corners of a box around the elements' centres", "mm"),
@@ -261,9 +266,11 @@ mod tests {
     #[test]
     fn every_key_of_a_model_is_known_and_tables_are_numbered() {
         let material = serde_json::json!({"law": "neo-hooke", "c10": 0.1, "bulk_modulus": 100.0});
+        let locking = serde_json::json!({"law": "gent", "shear_modulus": 0.1, "jm": 9.0,
+                                         "fitted_to": {"uniaxial": 3.0, "equibiaxial": 2.0, "planar": 2.5}});
         let model: Model = serde_json::from_value(serde_json::json!({
             "title": "t", "model": {"file": "input/a.msh", "scale": 25.4}, "material": material,
-            "region": [{"name": "base", "elements": "B", "material": material},
+            "region": [{"name": "base", "elements": "B", "material": locking},
                        {"name": "tip", "box": [[0, 0, 0], [1, 1, 1]], "material": material}],
             "support": [{"nodes": "WALL", "axes": "xz", "displacement": [1, 0, 2], "factor": [[0, 0], [1, 2.5]]}],
             "equation": [{"terms": [["A", "x", 1], ["B", "y", -1]], "value": 0.5}],

@@ -147,6 +147,11 @@ fn states_that_a_law_does_not_describe_are_errors() {
     for formulation in Formulation::ALL {
         assert!(evaluate(&stiff, formulation, 1.2).is_ok());
         assert!(evaluate(&stiff, formulation, 1e6).is_err(), "{formulation}");
+        let locks = Material::from(Law::Gent { shear_modulus: 0.5, jm: 2.0 });
+        assert!(
+            evaluate(&locks, formulation, 1.5).is_ok() && evaluate(&locks, formulation, 5.0).is_err(),
+            "{formulation}"
+        );
         assert!(evaluate(&mooney_rivlin(), formulation, 0.1).is_ok());
         let error = evaluate(&mooney_rivlin(), formulation, -0.1).unwrap_err();
         assert!((error.jacobian + 0.1).abs() < 1e-12, "{formulation}: {error}");

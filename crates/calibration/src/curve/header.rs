@@ -2,6 +2,7 @@
 
 use super::unit::{StrainMeasure, StressMeasure, StressUnit};
 use crate::law::Mode;
+use crate::test_name;
 use crate::words::words_of;
 
 /// What a column holds.
@@ -53,7 +54,7 @@ impl Heading {
         let has = |parts: &[&str]| parts.iter().any(|p| joined.contains(p));
         let is = |names: &[&str]| words.iter().any(|w| names.contains(&w.as_str()));
         let unit = StressUnit::find(name);
-        let mode = Mode::find(name);
+        let mode = test_name::find(name);
         // Columns beside the curve whose names hold the same words.
         let is_other = has(&["rate", "transverse", "lateral", "offset", "energy", "standarddeviation", "strength"]);
         let quantity = if is_other {

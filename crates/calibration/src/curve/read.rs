@@ -8,6 +8,7 @@ use super::stress_measure;
 use super::table::{LOOK_AHEAD, Row, lines, separator, split};
 use super::unit::{StrainMeasure, StressMeasure};
 use crate::law::Mode;
+use crate::test_name;
 use crate::words::words_of;
 
 /// No rubber is stretched to more than this engineering strain.
@@ -132,8 +133,8 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
     let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
     // An abbreviation counts if nothing else stands there: `ut.csv` is clear, `sample_ET_3.csv` may be anything.
     let stem = stem.rsplit_once('.').map_or(stem, |(name, _)| name);
-    let abbreviated = || Mode::find(stem).filter(|_| words_of(stem).len() == 1);
-    if let Some(mode) = Mode::find_spelled_out(stem).or_else(abbreviated) {
+    let abbreviated = || test_name::find(stem).filter(|_| words_of(stem).len() == 1);
+    if let Some(mode) = test_name::find_spelled_out(stem).or_else(abbreviated) {
         return Some((mode, "by the file's name".into()));
     }
     let above = lines(text).take_while(|(n, _)| *n < header_line);
@@ -144,8 +145,8 @@ fn test_of_file(file: &str, text: &str, header_line: usize, options: &ReadOption
             return Some((Mode::Uniaxial, format!("by the standard in line {n}")));
         }
         let names_a_test = words.iter().any(|w| ["test", "mode", "loading", "versuch"].contains(&w.as_str()));
-        let abbreviated = || Mode::find(line).filter(|_| names_a_test);
-        if let Some(mode) = Mode::find_spelled_out(line).or_else(abbreviated) {
+        let abbreviated = || test_name::find(line).filter(|_| names_a_test);
+        if let Some(mode) = test_name::find_spelled_out(line).or_else(abbreviated) {
             return Some((mode, format!("by line {n}")));
         }
     }
@@ -313,7 +314,7 @@ impl Reader<'_> {
         let help = "add --test uniaxial, equibiaxial or planar";
         if let Some(column) = self.selection.test {
             let cell = row.cell(column);
-            if let Some(mode) = Mode::find(cell) {
+            if let Some(mode) = test_name::find(cell) {
                 return Ok(mode);
             }
             // A number there counts specimens.

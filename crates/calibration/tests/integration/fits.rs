@@ -6,17 +6,13 @@ use std::path::Path;
 use pneuflex_calibration::bands::bands;
 use pneuflex_calibration::clean::{Cleaning, clean};
 use pneuflex_calibration::curve::{Point, ReadOptions, StrainMeasure, StressMeasure, StressUnit, read};
-use pneuflex_calibration::fit::{
-    FitError, FitOptions, LawFit, Residuals, Test, fit, largest_i1_minus_3, law_of_family,
-};
+use pneuflex_calibration::fit::{FitError, FitOptions, LawFit, Residuals, Test, chosen_law, fit, largest_i1_minus_3};
 use pneuflex_calibration::law::{Exponents, Family, Law, Mode};
 use pneuflex_calibration::library::ENTRIES;
 use pneuflex_calibration::range::{longest_range, up_to};
 use pneuflex_calibration::stability::conditions;
 use pneuflex_laws::law_of;
 use pneuflex_material::Kinematics;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 const LAWS: [(Law, &[f64]); 3] =
     [(Law::Yeoh, &[0.2712, 0.03053, -0.0004013]), (Law::NeoHookean, &[0.31]), (Law::MooneyRivlin, &[0.22, 0.04])];
@@ -193,51 +189,13 @@ fn the_default_follows_silicones_from_small_strains_on() {
     assert!(range.error > 0.1 && range.to > 2.0, "{range:?}");
 }
 
-/// 95 % intervals cover the constants that the curve was made of, in 90 to 99 % of many draws of noise.
-#[test]
-fn intervals_cover_the_truth() {
-    let truth = [0.05, 0.004, -4e-5];
-    for (residuals, noise) in [(Residuals::Absolute, 0.004), (Residuals::Relative, 0.03)] {
-        let mut random = ChaCha8Rng::seed_from_u64(7);
-        let mut covered = [0; 3];
-        const DRAWS: usize = 120;
-        for _ in 0..DRAWS {
-            // Most points are at large strains, as in the files of machines.
-            let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
-            let points = (1..=60).map(|i| {
-                let stretch = 1.0 + 0.08 * f64::from(i);
-                let exact = Law::Yeoh.stress(&truth, Mode::Uniaxial, stretch);
-                // What relative residuals suppose: relative to the stress, at small strains to a larger one.
-                let least = Law::Yeoh.stress(&truth, Mode::Uniaxial, 1.16);
-                let scale = match residuals {
-                    Residuals::Absolute => 1.0,
-                    Residuals::Relative if i == 1 => 1.25 * least,
-                    Residuals::Relative => exact,
-                };
-                Point { stretch, stress: exact + noise * scale * normal(), line: 1 }
-            });
-            let test = Test { name: "simulated".into(), mode: Mode::Uniaxial, points: points.collect(), weight: 1.0 };
-            let found = fit(Law::Yeoh, &[test], &FitOptions { residuals, stable_up_to: None }).unwrap();
-            for (k, constant) in found.constants.iter().enumerate() {
-                let [low, high] = constant.confidence_95.unwrap();
-                covered[k] += usize::from((low..=high).contains(&truth[k]));
-            }
-        }
-        println!("{residuals:?}: {covered:?} of {DRAWS}");
-        assert!(
-            covered.iter().all(|&n| (0.9..=0.99).contains(&(n as f64 / DRAWS as f64))),
-            "{residuals:?}: {covered:?}"
-        );
-    }
-}
-
 /// A law of two terms is found again; on silicones and rubber Ogden's law follows as closely as Yeoh's, and is always stable.
 #[test]
 fn ogdens_exponents_are_found() {
-    let truth = Law::Ogden(Exponents::new(&[1600, 6300]));
+    let truth = Law::Ogden(Exponents::of_thousandths(&[1600, 6300]));
     let moduli = [0.12, 0.004];
     let tests = [synthetic(Mode::Uniaxial, |l| truth.stress(&moduli, Mode::Uniaxial, l))];
-    let found = law_of_family(Family::Ogden, &tests, Residuals::Relative).unwrap();
+    let found = chosen_law(Family::Ogden, &tests, Residuals::Relative).unwrap();
     let fitted = fit(found, &tests, &FitOptions::default()).unwrap();
     assert_eq!(fitted.exponents.len(), 2, "{fitted:?}");
     assert!(fitted.total.relative_rms < 2e-3 && fitted.is_stable_in_range, "{fitted:?}");
@@ -249,7 +207,7 @@ fn ogdens_exponents_are_found() {
         println!("{file}: {ogden:?} {yeoh:?}");
         assert!(ogden.to > 2.0 && ogden.error < yeoh.error.max(0.1), "{file}: {ogden:?} {yeoh:?}");
         let inside = up_to(&tests, ogden.to);
-        let law = law_of_family(Family::Ogden, &inside, Residuals::Relative).unwrap();
+        let law = chosen_law(Family::Ogden, &inside, Residuals::Relative).unwrap();
         assert!(fit(law, &inside, &FitOptions::default()).unwrap().is_stable_in_range, "{file}");
     }
 }
@@ -351,7 +309,7 @@ fn the_librarys_own_fits_are_those_of_the_stored_curves() {
         assert!(entry.constants[0] > 0.0);
         fitted += 1;
     }
-    assert_eq!(fitted, 17);
+    assert_eq!(fitted, 22);
 }
 
 #[test]

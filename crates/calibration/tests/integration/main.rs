@@ -3,6 +3,7 @@
 //! * [`curves`]: layouts of files, and what is refused.
 //! * [`fits`]: fits with known answers.
 //! * [`fuzz`]: files that may hold anything.
+//! * [`intervals`]: how often intervals of confidence have the truth in them.
 //! * [`traps`]: what people write and miswrite.
 
 // Helpers count as tests here.
@@ -11,4 +12,5 @@
 mod curves;
 mod fits;
 mod fuzz;
+mod intervals;
 mod traps;

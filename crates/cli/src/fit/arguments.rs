@@ -7,7 +7,8 @@ use pneuflex::calibration::bulk::bulk_modulus;
 use pneuflex::calibration::clean::{Cleaning, Cycles};
 use pneuflex::calibration::curve::{ColumnChoice, DecimalSign, ReadOptions, StrainMeasure, StressMeasure, StressUnit};
 use pneuflex::calibration::fit::{FitOptions, Residuals};
-use pneuflex::calibration::law::Mode;
+use pneuflex::calibration::law::{Choice, Family, Mode};
+use pneuflex::calibration::test_name;
 
 use pneuflex::InputError;
 
@@ -96,7 +97,10 @@ pub struct FitArguments {
     stable: Option<String>,
     /// Law of material.toml
     #[arg(long, default_value = "yeoh")]
-    pub law: LawArgument,
+    law: LawArgument,
+    /// Terms of a Yeoh law, 2 or 3, or of an Ogden law, 1 to 3 [default: 3, or as many of Ogden's as are worth it]
+    #[arg(long, value_name = "NUMBER")]
+    terms: Option<usize>,
     /// Bulk modulus over initial shear modulus [default: 1000, or what keeps the volume to 0.5 % at the largest stress]
     #[arg(long, value_name = "K/MU", group = "bulk")]
     bulk_ratio: Option<f64>,
@@ -146,6 +150,8 @@ pub enum LawArgument {
     MooneyRivlin,
     /// One to three moduli and exponents.
     Ogden,
+    /// A modulus, and the I1-3 at which it locks.
+    Gent,
 }
 
 impl FitArguments {
@@ -178,7 +184,7 @@ impl FitArguments {
         let area = parsed("area", of("area", &self.area)?, size, "mm2, a number from 1e-6 to 1e9")?;
         let length = parsed("length", of("length", &self.length)?, size, "mm, a number from 1e-6 to 1e9")?;
         Ok(ReadOptions {
-            test: parsed("test", of("test", &self.test)?, Mode::find, "uniaxial, equibiaxial or planar")?,
+            test: parsed("test", of("test", &self.test)?, test_name::find, "uniaxial, equibiaxial or planar")?,
             columns,
             unit: parsed("unit", of("unit", &self.unit)?, unit, "MPa, kPa, Pa, GPa, N/mm2, N/cm2, kgf/cm2 or psi")?,
             strain: parsed("strain", of("strain", &self.strain)?, strain, "stretch, engineering, percent or true")?,
@@ -255,6 +261,25 @@ impl FitArguments {
         Ok(FitOptions { residuals: self.residuals(), stable_up_to })
     }
 
+    /// The law of material.toml.
+    pub fn choice(&self) -> Result<Choice, InputError> {
+        let family = match self.law {
+            LawArgument::Yeoh => Family::Yeoh,
+            LawArgument::NeoHooke => Family::NeoHookean,
+            LawArgument::MooneyRivlin => Family::MooneyRivlin,
+            LawArgument::Ogden => Family::Ogden,
+            LawArgument::Gent => Family::Gent,
+        };
+        let choice = Choice { family, terms: self.terms };
+        if choice.is_possible() {
+            return Ok(choice);
+        }
+        let terms = self.terms.unwrap_or_default();
+        let message =
+            format!("--terms {terms}: --law yeoh has 2 or 3 terms, --law ogden 1 to 3, the others take no --terms");
+        Err(InputError::new(message))
+    }
+
     /// What is minimised.
     pub fn residuals(&self) -> Residuals {
         match self.residuals {
@@ -317,7 +342,7 @@ fn for_test(
         };
         let refuse = |expected: &str| InputError::new(format!("--{option} {value}: expected {expected}"));
         let number = parse(number.trim()).map_err(refuse)?;
-        match test.map(Mode::find) {
+        match test.map(test_name::find) {
             Some(None) => return Err(refuse("uniaxial, equibiaxial or planar before the ="))?,
             Some(Some(named)) if named == mode => own = Some(number),
             Some(_) => {}

@@ -65,12 +65,13 @@ fn chart(tests: &[Prepared], fits: &[LawFit], mode: Mode, largest_i1_minus_3: f6
     }
     for fit in fits {
         let (style, colour) = match fit.law {
-            Law::Yeoh => (Style::Solid, PALETTE[0]),
+            Law::Yeoh | Law::YeohOfTwoTerms => (Style::Solid, PALETTE[0]),
             Law::NeoHookean => (Style::Dotted, PALETTE[1]),
             Law::MooneyRivlin => (Style::Dashed, PALETTE[3]),
             Law::Ogden(_) => (Style::Solid, PALETTE[2]),
+            Law::Gent(_) => (Style::Dashed, PALETTE[4]),
         };
-        series.push(Series::line(fit.law.name(), curve(fit, mode, low, high, bounds)).style(style).colour(colour));
+        series.push(Series::line(&fit.law.name(), curve(fit, mode, low, high, bounds)).style(style).colour(colour));
     }
     let name = mode.name();
     let title = format!("{}{}", name[..1].to_uppercase(), &name[1..]);

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use pneuflex::calibration::bands::{Band, TOLERANCE};
+use pneuflex::calibration::cross_validation::{BLOCKS, Comparison, Validation};
 use pneuflex::calibration::fit::{Agreement, LawFit, Residuals};
-use pneuflex::calibration::law::Mode;
+use pneuflex::calibration::law::{Choice, Mode};
 use pneuflex::calibration::stability::{SEARCHED, StableRange};
 use pneuflex::model::Material;
 use serde::Serialize;
@@ -39,6 +40,8 @@ pub struct FitFile<'a> {
     pub assumptions: &'static str,
     /// Laws with constants.
     pub laws: &'a [LawFit],
+    /// Laws judged by points that they were not fitted to.
+    pub cross_validation: &'a Comparison,
     /// Laws without, and why.
     pub not_fitted: Vec<String>,
     /// Constants for a case file.
@@ -155,19 +158,12 @@ fn errors(fit: &LawFit, width: usize, chosen: bool) -> String {
 /// Constants of a law, how well they fit, and where they are stable; with warnings if it is the `chosen` one.
 pub fn law(fit: &LawFit, largest_i1_minus_3: f64, chosen: bool) -> String {
     let mut text = format!("\n{}\n", fit.law.name());
-    for constant in &fit.constants {
+    let units = fit.constants.iter().map(|constant| (constant, " MPa")).chain(fit.shape.iter().map(|c| (c, "")));
+    for (constant, unit) in units {
         let interval = constant
             .confidence_95
             .map_or(String::new(), |[low, high]| format!("   95 %: {} to {}", significant(low), significant(high)));
-        let _ = writeln!(text, "  {} = {} MPa{interval}", constant.name, significant(constant.value));
-    }
-    if !fit.exponents.is_empty() {
-        let all: Vec<String> = fit.exponents.iter().map(|alpha| format!("{alpha:.3}")).collect();
-        let _ = writeln!(
-            text,
-            "  exponents alpha {}; fitted, too, so the moduli have no intervals of their own",
-            all.join(", ")
-        );
+        let _ = writeln!(text, "  {} = {}{unit}{interval}", constant.name, significant(constant.value));
     }
     let _ = writeln!(text, "  initial shear modulus {} MPa", significant(fit.shear_modulus_mpa));
     let width = fit.tests.iter().map(|t| t.test.chars().count()).max().unwrap_or(0).max(fit.total.test.len());
@@ -187,6 +183,69 @@ pub fn law(fit: &LawFit, largest_i1_minus_3: f64, chosen: bool) -> String {
         let _ = writeln!(text, "  {line}");
     }
     text
+}
+
+/// What is to be said of a law whose other deformations the tests do not determine.
+pub fn one_kind_of_test(chosen: Choice) -> String {
+    format!(
+        "\nWARNING: {} fitted to one kind of test says nothing reliable of other deformations (its stress there may be off by any factor); \
+         give tests of a second kind, or take a law of the first invariant (--law yeoh)\n",
+        chosen.name()
+    )
+}
+
+/// Laws judged by points that they were not fitted to, the one to take, and why.
+pub fn comparison(comparison: &Comparison, chosen: Choice) -> String {
+    let mut text = format!(
+        "\nCross-validation: relative error of the stress in blocks of strain that were left out of the fit ({BLOCKS} in a test, by the \
+         logarithm of the strain)\n"
+    );
+    let width = comparison.laws.iter().map(|law| law.law.chars().count()).max().unwrap_or(0);
+    let percent = |error: f64| format!("{:.1} %", 100.0 * error);
+    for law in &comparison.laws {
+        let beyond = match law.beyond {
+            Some(error) if error < 10.0 => percent(error),
+            Some(_) => "over 1000 %".to_owned(),
+            None => "no stress".to_owned(),
+        };
+        let unable = match (law.is_stable, law.is_known_elsewhere) {
+            (false, _) => "; not stable over the range",
+            (true, false) => "; not known in other deformations",
+            (true, true) => "",
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "  {:width$}  {} constant{} {:>7} +- {:>6}, largest {:>7} at stretch {:.2}; beyond the end {beyond}{unable}",
+            law.law,
+            law.constants,
+            if law.constants == 1 { " " } else { "s" },
+            percent(law.error),
+            percent(law.standard_error),
+            percent(law.largest_error),
+            law.largest_at_stretch,
+        );
+    }
+    match comparison.best() {
+        Some(best) => text += &recommendation(comparison, best, chosen),
+        None => text += "  no recommendation: too few points, or none of these laws is stable\n",
+    }
+    text
+}
+
+fn recommendation(comparison: &Comparison, best: &Validation, chosen: Choice) -> String {
+    let in_short =
+        |law: &Validation| format!("{}: {:.1} % with {} constants", law.law, 100.0 * law.error, law.constants);
+    let closest = comparison.laws.iter().filter(|law| law.is_able()).min_by(|a, b| a.error.total_cmp(&b.error));
+    let why = match closest {
+        Some(closest) if closest.law != best.law => {
+            format!("within a standard error of the closest, {}, and simpler", in_short(closest))
+        }
+        _ => "the closest".to_owned(),
+    };
+    let is_chosen = best.choice.family == chosen.family && best.choice.name() == chosen.name();
+    let how = if is_chosen { String::new() } else { format!(" ({})", best.options) };
+    format!("  recommended for this range: {}, {why}{how}\n", in_short(best))
 }
 
 fn agreement(row: &Agreement, width: usize) -> String {
@@ -233,13 +292,11 @@ fn correlations(fit: &LawFit) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(correlation) = &fit.correlation {
         let mut high = Vec::new();
-        for i in 0..fit.constants.len() {
+        let names: Vec<&str> = fit.constants.iter().chain(&fit.shape).map(|constant| constant.name).collect();
+        for i in 0..names.len() {
             for j in 0..i {
                 if correlation[i][j].abs() > HIGH_CORRELATION {
-                    high.push(format!(
-                        "{} and {} {:.3}",
-                        fit.constants[j].name, fit.constants[i].name, correlation[i][j]
-                    ));
+                    high.push(format!("{} and {} {:.3}", names[j], names[i], correlation[i][j]));
                 }
             }
         }

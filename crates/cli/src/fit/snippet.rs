@@ -17,7 +17,10 @@ pub fn material(comments: &[String], material: &Material, bulk_comment: &str) ->
     let (name, bulk_modulus) = (law.name(), rounded(material.bulk_modulus));
     let range = match material.fitted_to {
         Some(stretch) => {
-            format!("fitted_to = {stretch:.3}  # largest stretch of the tests; a run that goes further warns\n")
+            let tests: Vec<String> =
+                stretch.tests().map(|(mode, stretch)| format!("{} = {stretch:?}", mode.name())).collect();
+            let tests = tests.join(", ");
+            format!("fitted_to = {{ {tests} }}  # largest stretches of the tests; a run that goes further warns\n")
         }
         None => String::new(),
     };

@@ -142,6 +142,38 @@ fn suction_on_a_free_end_stretches_a_slender_bar() {
     }
 }
 
+/// A bar of Gent's rubber is pulled until it all but locks: the first corrections lead beyond, where there is no state, and are rejected.
+#[test]
+fn a_bar_that_locks_is_pulled_up_to_its_end() {
+    const SUCTION: f64 = 60.0;
+    let (shear_modulus, jm) = (1.0, 2.0);
+    for formulation in [Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet15] {
+        let mesh = Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).mesh_all(formulation.element_kind());
+        let material = Material { bulk_modulus: 1e5, ..Law::Gent { shear_modulus, jm }.into() };
+        let mut problem = Problem::body(mesh, formulation, material);
+        problem.clock = Clock::Steps;
+        for axis in 0..3 {
+            hold(&mut problem, axis, 0.0, None);
+        }
+        let facets = problem.mesh.select_facets(|x| (x[0] - 2.0).abs() < 1e-9);
+        problem.loads.push(Load::Pressure { facets, curve: Curve::Proportional(-SUCTION) });
+        let [state] = &follow(&problem, &[1.0], &settings())[..] else { panic!("one state") };
+        // Cauchy stress of the incompressible bar: μ J_m/(J_m − x) (λ² − 1/λ) with x = λ² + 2/λ − 3.
+        let stress = |l: f64| {
+            let left = jm - (l * l + 2.0 / l - 3.0);
+            if left > 0.0 { shear_modulus * jm / left * (l * l - 1.0 / l) } else { f64::INFINITY }
+        };
+        let (mut low, mut high) = (1.0, 3.0);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            if stress(middle) < SUCTION { low = middle } else { high = middle }
+        }
+        let (node, _) = problem.mesh.nearest_node([2.0, 1.0, 1.0]).unwrap();
+        let stretch = 1.0 + state.displacement[node][0] / 2.0;
+        assert!((stretch - low).abs() < 1e-3 && stress(low + 0.05).is_infinite(), "{formulation:?}: {stretch} {low}");
+    }
+}
+
 #[test]
 fn weight_hangs_on_its_support() {
     for formulation in Formulation::ALL {

@@ -113,9 +113,9 @@ class Fit:
     Attributes
     ----------
     law : str
-        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``.
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin``, ``ogden`` or ``gent``.
     constants : dict
-        Values, MPa; Ogden's exponents are in `material`.
+        Moduli, MPa; Ogden's exponents and Gent's J_m are in `material`.
     confidence_95 : dict
         Intervals of 95 %, MPa, for independent residuals (which those of a smooth curve are not: they are too narrow); None where there are
         as many constants as points, or none are known.
@@ -159,6 +159,7 @@ def _weights(weights: Mapping[str, float], kinds: set[str]) -> dict[str, float]:
 def fit(
     *curves: str | os.PathLike[str] | tuple[str, ArrayLike, ArrayLike],
     law: str = "yeoh",
+    terms: int | None = None,
     from_stretch: float = 0.0,
     to_stretch: float | None = None,
     stable: bool | float = False,
@@ -185,7 +186,9 @@ def fit(
         Files (CSV), or tuples of the kind of test (``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"pure shear"``), stretches, shape
         (n,), and nominal stresses (force per area at rest), MPa, shape (n,).
     law
-        ``yeoh``, ``neo-hooke``, ``mooney-rivlin`` or ``ogden``, whose exponents are fitted, too.
+        ``yeoh``, ``neo-hooke``, ``mooney-rivlin``, ``ogden``, whose exponents are fitted, too, or ``gent``.
+    terms
+        Of a Yeoh law 2 or 3 (the default), of an Ogden law 1 to 3 (as many as are worth it, if left out).
     from_stretch, to_stretch
         Range that is fitted. Without `to_stretch` it ends where the law cannot follow the curves any more within 10 % of the stress at every
         strain from 10 % on: a fit up to the break is ruled by stresses that no actuator sees. `math.inf` fits all.
@@ -221,7 +224,9 @@ def fit(
         raise InputError(f'residuals = "{residuals}" must be absolute or relative')
     bulk_ratio = None if bulk_ratio is None else positive(bulk_ratio, "bulk_ratio")
     if not isinstance(law, str):
-        raise InputError(f"law = {law!r} must be yeoh, neo-hooke, mooney-rivlin or ogden")
+        raise InputError(f"law = {law!r} must be yeoh, neo-hooke, mooney-rivlin, ogden or gent")
+    if terms is not None and (isinstance(terms, bool) or not isinstance(terms, int) or not 1 <= terms <= 3):
+        raise InputError(f"terms = {terms!r} must be 1, 2 or 3, or left out")
     for name, stretch in (("from_stretch", from_stretch), ("to_stretch", to_stretch)):
         if stretch is not None and not isinstance(stretch, (int, float)):
             raise InputError(f"{name} = {stretch!r} must be a stretch, the length over the length at rest")
@@ -263,7 +268,7 @@ def fit(
     range = (from_stretch, to_stretch)
     is_relative = residuals == "relative"
     text = _native.fit(
-        weighted, law, range, cycles, keep_break, keep_offset, is_relative, bound, stable is not False
+        weighted, law, terms, range, cycles, keep_break, keep_offset, is_relative, bound, stable is not False
     )
     found_fit: dict[str, Any] = json.loads(text)
     details = found_fit["fit"]

@@ -144,6 +144,7 @@ def test_kind(text: str) -> str: ...
 def fit(
     curves: list[tuple[str, str, list[float], list[float], float]],
     law: str,
+    terms: int | None,
     range: tuple[float, float | None],
     cycles: str,
     keeps_break: bool,

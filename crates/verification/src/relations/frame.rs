@@ -7,7 +7,7 @@ use pneuflex::model::model_file::{
     CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Series,
     Steps, SupportTable, TractionTable,
 };
-use pneuflex::model::{Law, Material, ObstacleTable, OgdenTerm, Probe, ShapeName};
+use pneuflex::model::{Material, ObstacleTable, Probe, ShapeName};
 
 /// X' = `length` · `turn` X, stresses times `stress`.
 #[derive(Clone, Copy, Debug)]
@@ -84,17 +84,7 @@ impl Frame {
     /// A material.
     pub fn material(&self, material: &Material) -> Material {
         let s = self.stress;
-        let law = match &material.law {
-            Law::Yeoh { c10, c20, c30 } => Law::Yeoh { c10: s * c10, c20: s * c20, c30: s * c30 },
-            Law::NeoHooke { c10 } => Law::NeoHooke { c10: s * c10 },
-            Law::Polynomial { c10, c01, c20, c11, c02 } => {
-                Law::Polynomial { c10: s * c10, c01: s * c01, c20: s * c20, c11: s * c11, c02: s * c02 }
-            }
-            Law::Ogden { terms } => {
-                Law::Ogden { terms: terms.iter().map(|term| OgdenTerm { mu: s * term.mu, ..*term }).collect() }
-            }
-        };
-        Material { law, bulk_modulus: s * material.bulk_modulus, ..material.clone() }
+        Material { law: material.law.scaled(s), bulk_modulus: s * material.bulk_modulus, ..material.clone() }
     }
 
     fn obstacle(&self, table: &ObstacleTable) -> ObstacleTable {

@@ -11,7 +11,7 @@ use super::draw::Draw;
 use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 13] = [
+pub const NOT_DRAWN: [(&str, &str); 22] = [
     (
         "case: obstacle.displacement",
         "is for model files, where it is drawn; in a case file it is refused as soon as it is there",
@@ -24,6 +24,15 @@ pub const NOT_DRAWN: [(&str, &str); 13] = [
     ("case: material.fitted_to", "a run that goes further warns; the solution knows nothing of it"),
     ("model: material.fitted_to", "the same"),
     ("model: region.material.fitted_to", "the same"),
+    ("case: material.fitted_to.uniaxial", "the same"),
+    ("case: material.fitted_to.equibiaxial", "the same"),
+    ("case: material.fitted_to.planar", "the same"),
+    ("model: material.fitted_to.uniaxial", "the same"),
+    ("model: material.fitted_to.equibiaxial", "the same"),
+    ("model: material.fitted_to.planar", "the same"),
+    ("model: region.material.fitted_to.uniaxial", "the same"),
+    ("model: region.material.fitted_to.equibiaxial", "the same"),
+    ("model: region.material.fitted_to.planar", "the same"),
     (
         "case: solver.imperfection",
         "what buckles has two shapes, mirror images of each other as a rule, and a run takes either one",

@@ -130,7 +130,7 @@ fn deck(model: &Model, mesh: &Mesh) -> Option<String> {
     let others =
         special.iter().filter_map(|region| Some((region.elements.as_deref()?, region.name.clone(), &region.material)));
     for (set, name, material) in std::iter::once(first).chain(others) {
-        text += &in_words(&name, material);
+        text += &in_words(&name, material)?;
         let _ = writeln!(text, "*SOLID SECTION, ELSET={set}, MATERIAL={name}");
     }
     for EquationTable { terms, .. } in &model.equations {
@@ -199,8 +199,8 @@ fn number(axis: &str) -> usize {
     "xyz".find(axis).map_or(1, |at| at + 1)
 }
 
-/// Densities in t/mm³, and D₁ = 2/κ.
-fn in_words(name: &str, material: &Material) -> String {
+/// Densities in t/mm³, and D₁ = 2/κ; `None` for a law that decks have no word for.
+fn in_words(name: &str, material: &Material) -> Option<String> {
     let d = 2.0 / material.bulk_modulus;
     let law = match &material.law {
         Law::NeoHooke { c10 } => format!("NEO HOOKE\n{c10:?}, {d:?}"),
@@ -213,10 +213,11 @@ fn in_words(name: &str, material: &Material) -> String {
             let zeros = ", 0.".repeat(terms.len().saturating_sub(1));
             format!("OGDEN, N={}\n{}, {d:?}{zeros}", terms.len(), constants.join(", "))
         }
+        Law::Gent { .. } => return None,
     };
     let density = match material.density {
         0.0 => String::new(),
         density => format!("*DENSITY\n{:?}\n", 1e-9 * density),
     };
-    format!("*MATERIAL, NAME={name}\n*HYPERELASTIC, {law}\n{density}")
+    Some(format!("*MATERIAL, NAME={name}\n*HYPERELASTIC, {law}\n{density}"))
 }
