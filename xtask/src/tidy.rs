@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 21] = [
+const ARROWS: [(&str, &[&str]); 22] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
@@ -23,8 +23,9 @@ const ARROWS: [(&str, &[&str]); 21] = [
     ("calibration", &["model", "laws"]),
     ("deck", &["mesh", "model"]),
     ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
-    ("cli", &["pneuflex"]),
-    ("python", &["pneuflex"]),
+    ("sweep", &["pneuflex"]),
+    ("cli", &["pneuflex", "sweep"]),
+    ("python", &["pneuflex", "sweep"]),
     ("benches", &["pneuflex"]),
     ("verification", &["mesh", "model", "laws", "contact", "assembly", "factor", "newton", "post", "pneuflex"]),
     ("xtask", &["pneuflex", "verification"]),

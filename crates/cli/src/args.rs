@@ -43,6 +43,9 @@ pub enum Command {
     /// Solve a case on finer and finer meshes, extrapolate, and report error bars
     #[command(after_help = examples::CONVERGE)]
     Converge(ConvergeArguments),
+    /// Solve many designs, each once whatever dies, and write a table
+    #[command(after_help = examples::SWEEP)]
+    Sweep(SweepArguments),
     /// Write report.html, which shows a result folder in a browser
     #[command(after_help = examples::VIEW)]
     View(ViewArguments),
@@ -77,13 +80,21 @@ impl CaseArguments {
     /// # Errors
     /// One that is none.
     pub fn changes(&self) -> Result<Vec<Change>, InputError> {
-        let change = |text: &String| {
-            let parts = text.split_once('=').filter(|(key, value)| !key.trim().is_empty() && !value.trim().is_empty());
-            let expected = || InputError::new(format!("--set {text}: expected KEY=VALUE, e.g. --set actuator.gap=1.5"));
-            parts.map(|(key, value)| Change::new(key, value)).ok_or_else(expected)
-        };
-        self.set.iter().map(change).collect()
+        changes(&self.set)
     }
+}
+
+/// The changes of `--set`.
+///
+/// # Errors
+/// One that is none.
+pub fn changes(set: &[String]) -> Result<Vec<Change>, InputError> {
+    let change = |text: &String| {
+        let parts = text.split_once('=').filter(|(key, value)| !key.trim().is_empty() && !value.trim().is_empty());
+        let expected = || InputError::new(format!("--set {text}: expected KEY=VALUE, e.g. --set actuator.gap=1.5"));
+        parts.map(|(key, value)| Change::new(key, value)).ok_or_else(expected)
+    };
+    set.iter().map(change).collect()
 }
 
 /// How cases are solved.
@@ -135,6 +146,58 @@ pub struct RunArguments {
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,
+}
+
+/// Arguments of `pneuflex sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    /// File that says which designs are solved (TOML)
+    #[arg(value_name = "SWEEP.toml")]
+    pub file: PathBuf,
+    /// Change a key of all designs; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Folder of the sweep [default: out/NAME for the file NAME.toml]. What is finished in it is kept and not solved again
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of processes, one design each [default: one per core, as far as there is memory]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub workers: Option<u16>,
+    /// Number of threads of each process [default: what the processes leave of the cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Solve these designs only, numbers from 0, and write no table: for jobs of a cluster, many of which may run at once
+    #[arg(long, value_name = "FIRST[-LAST]", value_parser = numbers)]
+    pub only: Option<[usize; 2]>,
+    /// Write the table of what is finished, and solve nothing
+    #[arg(long, conflicts_with = "only")]
+    pub join: bool,
+    /// Print a script that solves the designs as jobs of a cluster, and solve nothing
+    #[arg(long, value_name = "SCHEDULER", conflicts_with_all = ["only", "join"])]
+    pub emit: Option<Scheduler>,
+    /// Leave out everything about progress
+    #[arg(long)]
+    pub quiet: bool,
+    /// Be a process that solves what it is told on standard input
+    #[arg(long, hide = true)]
+    pub worker: bool,
+}
+
+/// Schedulers of clusters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scheduler {
+    /// SLURM.
+    Slurm,
+    /// HyperQueue.
+    Hq,
+}
+
+/// A number, or the first and the last of several.
+fn numbers(text: &str) -> Result<[usize; 2], String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| "must be a number, or two as in 10-19".to_owned());
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let found: [usize; 2] = [number(first)?, number(last)?];
+    if found[0] <= found[1] { Ok(found) } else { Err("the first is greater than the last".into()) }
 }
 
 /// Arguments of `pneuflex view`.

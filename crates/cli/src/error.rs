@@ -92,6 +92,7 @@ fn help(error: &InputError) -> Option<&str> {
         InputErrorKind::UnusableFolder => Some("choose another folder with --out"),
         InputErrorKind::ForeignFolder => Some("choose another folder with --out; nothing was touched"),
         InputErrorKind::BusyFolder => Some("wait until it has ended, or choose another folder with --out"),
+        InputErrorKind::OtherSweep => Some("choose another folder with --out"),
         InputErrorKind::OtherResults => Some("run without --resume to start over; that replaces what is there"),
     }
 }

@@ -30,6 +30,23 @@ Examples:
 
 The second mesh has 8 times the elements of the case's own, the third 27 times.";
 
+/// Of `pneuflex sweep`.
+pub const SWEEP: &str = "\
+Examples:
+  pneuflex sweep gaps.toml                        a table in out/gaps; the same command goes on after a crash
+  pneuflex sweep gaps.toml --workers 2 --threads 4
+  pneuflex sweep gaps.toml --emit slurm > gaps.sh     jobs of a cluster, to be called by bash
+  pneuflex sweep gaps.toml --only 17              what such a job does
+  pneuflex sweep gaps.toml --join                 the table of what is finished
+
+A file that solves six designs:
+  case = \"finger.toml\"
+  [space]
+  \"actuator.gap\" = [1, 1.5, 2]
+  \"actuator.side_wall\" = [0.8, 1]
+
+Exit codes: 0 every design is finished, whatever became of it; 1 the table could not be written; 2 bad input (nothing written); 3 designs are left, which the same command tries again; 130 interrupted.";
+
 /// Of `pneuflex view`.
 pub const VIEW: &str = "\
 Examples:

@@ -1,7 +1,7 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`view`]: the commands;
+//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`sweep`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
@@ -25,6 +25,7 @@ mod outcome;
 mod progress;
 mod rod;
 mod run;
+mod sweep;
 mod terminal;
 mod view;
 
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Rod(arguments) => rod::rod(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Materials(arguments) => materials::materials(&arguments).map(|()| Outcome::Converged),

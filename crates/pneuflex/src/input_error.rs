@@ -44,6 +44,8 @@ pub enum InputErrorKind {
     BusyFolder,
     /// The output folder holds results that cannot be gone on with.
     OtherResults,
+    /// The folder holds another sweep.
+    OtherSweep,
 }
 
 /// What a place is in.
@@ -204,6 +206,20 @@ impl InputError {
     /// Where it stands, with the text around it.
     pub fn place(&self) -> Option<&Place> {
         self.place.as_deref()
+    }
+
+    /// The message with its place, the line that is meant, and what to do about it.
+    pub fn in_full(&self, help: Option<&str>) -> String {
+        let mut text = match self.place() {
+            Some(place) if place.origin() == Origin::Change => format!("{}: {self}", place.name()),
+            Some(place) => format!("{}:{}:{}: {self}\n{}", place.name(), place.line(), place.column(), place.excerpt()),
+            None => self.to_string(),
+        };
+        if let Some(help) = help {
+            text += "\n  help: ";
+            text += help;
+        }
+        text
     }
 
     /// Where it belongs among others: changes come after the file.

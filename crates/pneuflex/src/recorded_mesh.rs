@@ -37,6 +37,15 @@ pub fn check(formulation: Formulation, mesh: &Mesh) -> Result<(), InputError> {
         let (cell, node) = (at / mesh.kind.num_nodes(), mesh.connectivity[at]);
         return wrong(format!("cell {cell} has node {node}, but there are {nodes} nodes"));
     }
+    // A node beside all cells may be one that equations tie, or supports hold, by a set.
+    let mut is_used = vec![false; nodes];
+    let in_sets = mesh.node_sets.values().flatten();
+    for &node in mesh.connectivity.iter().chain(in_sets).filter(|&&node| (node as usize) < nodes) {
+        is_used[node as usize] = true;
+    }
+    if let Some(node) = is_used.iter().position(|is_used| !is_used) {
+        return wrong(format!("node {node} at {:?} mm belongs to no cell and to no set: leave it out", mesh.nodes[node]));
+    }
     let missing =
         |(name, count): (&String, usize)| wrong(format!("set {name} has members that are not there: {count}"));
     let beyond = |numbers: &[u32], end: usize| numbers.iter().filter(|&&number| number as usize >= end).count();

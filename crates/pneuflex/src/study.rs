@@ -181,6 +181,11 @@ impl Study {
         self.case().map(Estimate::of)
     }
 
+    /// The text of its file, without changes; of a deck, nothing.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Path of the file, or the name that stands for it.
     pub fn path(&self) -> &Path {
         &self.path

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use pneuflex::input_error::{InputErrorKind, Origin};
+use pneuflex::input_error::InputErrorKind;
 use pneuflex::{Error, InputError};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -43,7 +43,15 @@ pub fn bad_input(py: Python<'_>, errors: &[InputError]) -> PyErr {
         .map(|error| {
             let file = error.file().map(|path| path.display().to_string());
             let of_machine = error.kind() != InputErrorKind::Other;
-            (in_full(error), error.to_string(), error.key(), help(error), file, error.line(), of_machine)
+            (
+                error.in_full(help(error).as_deref()),
+                error.to_string(),
+                error.key(),
+                help(error),
+                file,
+                error.line(),
+                of_machine,
+            )
         })
         .collect();
     let class = py.import("pneuflex._errors").and_then(|module| module.getattr("InputError"));
@@ -58,22 +66,6 @@ pub fn wrong(py: Python<'_>, message: impl Into<String>) -> PyErr {
     bad_input(py, &[InputError::new(message)])
 }
 
-/// The message with its place and what to do about it.
-fn in_full(error: &InputError) -> String {
-    let mut text = match error.place() {
-        Some(place) if place.origin() == Origin::Change => format!("{}: {error}", place.name()),
-        Some(place) => {
-            format!("{}:{}:{}: {error}\n{}", place.name(), place.line(), place.column(), place.excerpt())
-        }
-        None => error.to_string(),
-    };
-    if let Some(help) = help(error) {
-        text += "\n  help: ";
-        text += &help;
-    }
-    text
-}
-
 /// What to do about bad input, in terms of the package.
 fn help(error: &InputError) -> Option<String> {
     let help = match error.kind() {
@@ -84,6 +76,7 @@ fn help(error: &InputError) -> Option<String> {
         InputErrorKind::UnusableFolder => "choose another folder",
         InputErrorKind::ForeignFolder => "choose another folder; nothing was touched",
         InputErrorKind::BusyFolder => "wait until it has ended, or choose another folder",
+        InputErrorKind::OtherSweep => "choose another folder",
         InputErrorKind::OtherResults => "solve the case again; that replaces what is there",
     };
     Some(help.to_owned())

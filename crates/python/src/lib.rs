@@ -7,6 +7,7 @@
 //! | `study` | case files, model files, decks and meshes, and what is built from them |
 //! | `run` | solving, with the interpreter free and Ctrl-C heard |
 //! | `state` | reached states with their fields, field files |
+//! | `sweep` | names of designs, numbers of states, tables: those of the program's sweeps |
 //! | `array` | numbers that numpy sees without a copy |
 //! | `calibration` | fits and known materials |
 //! | `error` | errors as exceptions; no panic crosses |
@@ -19,6 +20,7 @@ mod error;
 mod run;
 mod state;
 mod study;
+mod sweep;
 
 use pyo3::prelude::*;
 
@@ -35,6 +37,8 @@ mod _native {
     use crate::state::{FieldFile, State, read_field_file, report_page};
     #[pymodule_export]
     use crate::study::{Analysis, Study, available_memory, template};
+    #[pymodule_export]
+    use crate::sweep::{content_of, identity_of, identity_of_bad_input, numbers, table_of};
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use pneuflex::mesh::{Facet, Mesh};
 use pneuflex::model::Formulation;
 use pneuflex::{Change, Error, InputError, MemoryLimit, on_threads};
+use pneuflex_sweep::identity;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -15,7 +16,7 @@ use crate::error::{apart, wrong};
 
 /// Something to be studied, as it is written; never changed.
 #[pyclass(frozen, module = "pneuflex._native")]
-pub struct Study(pneuflex::Study);
+pub struct Study(pub(crate) pneuflex::Study);
 
 /// What is built from it, ready to be solved.
 #[pyclass(frozen, module = "pneuflex._native")]
@@ -108,11 +109,13 @@ impl Study {
     /// `case`, `model` or `deck`.
     #[getter]
     fn kind(&self) -> &'static str {
-        match (self.0.case(), self.0.model()) {
-            (Some(_), _) => "case",
-            (None, Some(_)) => "model",
-            (None, None) => "deck",
-        }
+        identity::kind(&self.0)
+    }
+
+    /// The text of its file; of a deck, nothing.
+    #[getter]
+    fn text(&self) -> &str {
+        self.0.text()
     }
 
     /// What was set, as far as it has a meaning still.
@@ -130,12 +133,7 @@ impl Study {
     /// Every key with its value as JSON; of a deck, nothing.
     #[getter]
     fn values(&self, py: Python<'_>) -> PyResult<String> {
-        let written = match (self.0.case(), self.0.model()) {
-            (Some(case), _) => serde_json::to_string(&case.resolved()),
-            (None, Some(model)) => serde_json::to_string(model),
-            (None, None) => Ok("{}".to_owned()),
-        };
-        written.map_err(|error| wrong(py, error.to_string()))
+        identity::values(&self.0).map_err(|error| wrong(py, error.to_string()))
     }
 
     /// Length of the actuator at rest, mm, if it is one.

@@ -58,6 +58,12 @@ def test_sets_of_faces_may_be_given_in_three_ways() -> None:
         assert np.array_equal(plate(face_sets={"bottom": given}).check().face_sets["bottom"], wanted)
 
 
+def test_a_node_of_no_cell_is_named() -> None:
+    nodes = np.vstack([NODES, [30.0, 0, 0]])
+    with pytest.raises(InputError, match=r"node 20 at \[30.0, 0.0, 0.0\] mm belongs to no cell and to no set"):
+        Model.from_arrays(nodes, CELLS, material={"law": "neo-hooke", "c10": 0.1}, times=[1.0])
+
+
 def test_bad_arrays_are_refused() -> None:
     def bad(match: str, **arguments: Any) -> None:
         with pytest.raises(InputError, match=match):

@@ -383,3 +383,92 @@ def test_a_cluster_of_dask_solves_the_same(tmp_path: Path) -> None:
             found = pneuflex.sweep(case, space, client.get_executor(pure=False), out=tmp_path / "dask", progress=False)
     here = pneuflex.sweep(case, space, out=tmp_path / "here", progress=False, threads=1)
     assert [row["states"] for row in found] == [row["states"] for row in here] and not found.failures
+
+
+SWEEP_FILE = """
+case = "finger.toml"
+[set]
+mesh = { size = 3, element = "hex8-q1p0" }
+load.pressure_kpa = [1, 2]
+[space]
+"actuator.gap" = [1, 1.5, 2]
+material = ["dragon-skin-30", "ecoflex-00-30"]
+[[design]]
+actuator.gap = -1
+"""
+
+
+def test_the_program_and_the_package_go_on_with_each_others_sweeps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, program: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> None:
+        subprocess.run([program, *arguments], check=True, capture_output=True)
+
+    run("new", "two-chamber", "finger.toml")
+    Path("gaps.toml").write_text(SWEEP_FILE)
+    # As people name a file: by where they are.
+    case = pneuflex.Case.load("finger.toml").set({"mesh": {"size": 3, "element": "hex8-q1p0"}, "load.pressure_kpa": [1, 2]})
+    space = Grid({"actuator.gap": [1, 1.5, 2], "material": ["dragon-skin-30", "ecoflex-00-30"]})
+    designs = [*space.designs(), {"actuator.gap": -1}]
+    seen: list[str] = []
+
+    def swept(out: str) -> Sweep:
+        seen.clear()
+        return pneuflex.sweep(
+            case, designs, out=out, threads=1, progress=False, on_row=lambda row: seen.append(row["identity"])
+        )
+
+    run("sweep", "gaps.toml", "--out", "program", "--threads", "1")
+    by_program = list(csv.reader(Path("program/table.csv").open()))
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    both, package = swept("program"), None
+    assert not seen and not both.unfinished and both.write().read_text() == Path("program/table.csv").read_text()
+    package = swept("package")
+    assert len(seen) == 7
+    by_package = list(csv.reader(Path("package/table.csv").open()))
+    assert by_package[0] == by_program[0] and len(by_package) == 14
+    times = [by_package[0].index(name) for name in ("seconds", "cpu_seconds")]
+    without = [[[cell for i, cell in enumerate(row) if i not in times] for row in rows] for rows in (by_package, by_program)]
+    assert without[0] == without[1]
+    assert [row["status"] for row in package] == ["converged"] * 6 + ["bad-input"]
+    before = {path.name: path.stat().st_mtime_ns for path in Path("package/rows").iterdir()}
+    run("sweep", "gaps.toml", "--out", "package")
+    assert before == {path.name: path.stat().st_mtime_ns for path in Path("package/rows").iterdir()}
+    # Another case is refused by both.
+    with pytest.raises(InputError, match=r"another case \(actuator differ\)"):
+        pneuflex.sweep(case.copy().set({"actuator.width": 19}), designs, out="program", progress=False)
+
+
+def test_a_table_of_before_does_not_stay_beside_the_new_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pyarrow")
+    found = pneuflex.sweep(small_case(pressures=[1]), {"actuator.gap": [1.0]}, out=tmp_path, progress=False)
+    assert {path.name for path in tmp_path.glob("table.*")} == {"table.parquet"}
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    found.write()
+    assert {path.name for path in tmp_path.glob("table.*")} == {"table.csv"}
+
+
+def test_a_base_is_only_a_template(tmp_path: Path) -> None:
+    path = write_brick(tmp_path / "model", 2)
+    path.write_text(path.read_text().replace("brick.inp", "to-be-named.inp"))
+    model = pneuflex.Model.load(path)
+    with pytest.raises(InputError):
+        model.check()
+    space = {"model.file": ["brick.inp", "missing.inp"]}
+    with ThreadPoolExecutor(1) as pool:
+        found = pneuflex.sweep(model, space, pool, out=tmp_path / "out", progress=False)
+    assert [row["status"] for row in found] == ["converged", "bad-input"]
+    assert not pneuflex.sweep(model, {"model.file": ["brick.inp"]}, out=tmp_path / "other", progress=False).failures
+
+
+def test_a_job_script_of_slurm_is_what_it_should_be() -> None:
+    dask_jobqueue = pytest.importorskip("dask_jobqueue")
+    options: dict[str, Any] = {"cores": 8, "processes": 8, "memory": "32GB", "walltime": "04:00:00"}
+    with dask_jobqueue.SLURMCluster(**options, scheduler_options={"dashboard_address": None}) as cluster:
+        script = cluster.job_script()
+    lines = script.splitlines()
+    assert lines[0].startswith("#!") and "#SBATCH --cpus-per-task=8" in lines and "#SBATCH -t 04:00:00" in lines
+    assert "--nworkers 8" in script and "--nthreads 1" in script
+    assert subprocess.run(["bash", "-n"], input=script, text=True).returncode == 0

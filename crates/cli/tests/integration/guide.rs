@@ -181,6 +181,11 @@ fn resume() {
 }
 
 #[test]
+fn sweeps() {
+    works("sweeps.md");
+}
+
+#[test]
 fn rod() {
     works("rod.md");
 }

@@ -2,6 +2,7 @@
 //!
 //! * [`bad_input`]: one clear message, and nothing written.
 //! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`view`]: the commands.
+//! * [`sweeps`]: many designs, whatever dies; jobs of clusters.
 //! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
 //! * [`interrupted`]: runs that are killed, interrupted, robbed of their folder or started twice.
 //! * [`terminal`]: what is printed on a terminal.
@@ -23,6 +24,7 @@ mod rod;
 mod runs;
 mod stops;
 mod support;
+mod sweeps;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod view;

@@ -68,7 +68,7 @@ impl Change {
 
     /// Whether an earlier change has no meaning any more beside this one: one of the same key, of a key in a table that is given as a whole,
     /// or of a size of the mesh where this one asks for a resolution.
-    pub(crate) fn replaces(&self, earlier: &Self) -> bool {
+    pub fn replaces(&self, earlier: &Self) -> bool {
         let (key, old) = (self.key.trim(), earlier.key.trim());
         let is_within = old.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         is_within || key == "mesh.resolution" && SIZES.iter().any(|size| old == format!("mesh.{size}"))

@@ -266,31 +266,9 @@ class State:
 
     def numbers(self) -> dict[str, float]:
         """The state as a flat table of numbers, named as the columns of :meth:`Result.to_dataframe`."""
-        s = self.summary
-        found: dict[str, float] = {} if self.time is None else {"time": self.time}
-        found |= {"pressure_kpa": self.pressure_kpa}
-        if "end_face_angle_deg" in s:
-            found["end_face_angle_deg"] = self.end_face_angle_deg
-        if len(self.centreline) > 1:
-            found["chord_angle_deg"] = self.chord_angle_deg
-        vectors = {"reaction": (s["reaction_n"], "n")}
-        try:
-            vectors["tip"] = (self.tip, "mm")
-        except AttributeError:
-            pass
-        vectors |= {f"probe.{name}": (u, "mm") for name, u in s.get("probes", {}).items()}
-        vectors |= {f"reaction.{name}": (force, "n") for name, force in s.get("reactions", {}).items()}
-        vectors |= {f"obstacle.{name}": (entry["force_n"], "n") for name, entry in s.get("obstacles", {}).items()}
-        for name in ("cavity_volume_mm3", "max_von_mises_mpa", "von_mises_p99_mpa", "strain_energy_mj"):
-            found[name] = float(s[name])
-        for name in ("area_mm2", "max_penetration_mm", "gaps_in_contact", "min_gap_mm"):
-            if name in s["contact"]:
-                found[f"contact.{name}"] = s["contact"][name]
-        for name, cavity in s.get("cavities", {}).items():
-            found |= {f"cavity.{name}.{key}": value for key, value in cavity.items()}
-        for name, (vector, unit) in vectors.items():
-            found |= {f"{name}.{axis}_{unit}": float(x) for axis, x in zip("xyz", vector, strict=True)}
-        return found | {"iterations": s["iterations"], "load_steps": s["load_steps"]}
+        at = None if self._tip_at is None else [float(x) for x in self._tip_at]
+        found: dict[str, float] = json.loads(_native.numbers(json.dumps(self.summary), self._length, at))
+        return found
 
     def __repr__(self) -> str:
         at = f"{self.pressure_kpa:.6g} kPa" if self.time is None else f"time {self.time:.6g}"

@@ -287,7 +287,7 @@ class Case(Study):
         """
         case = cls(("load", _existing(path)), flat(keys or {}))
         # A copy that is sent to another process is the case that was read.
-        case._source = ("from_files", os.fspath(path), case._files())
+        case._source = ("from_files", os.fspath(case._study.path), case._files())
         return case
 
     @classmethod

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import io
 import json
@@ -91,7 +90,7 @@ class Sweep(Sequence[Row]):
         state has one row."""
         found = []
         for row in self.rows:
-            plain = {key: json.dumps(v) if isinstance(v, (dict, list)) else v for key, v in row["inputs"].items()}
+            plain = {key: json.dumps(v, separators=(",", ":"), ensure_ascii=False) if isinstance(v, (dict, list)) else v for key, v in row["inputs"].items()}
             head = {"design": row["design"], **plain, "status": row["status"]}
             tail = {key: row.get(key) for key in ("reason", "message", "seconds", "cpu_seconds", "threads")}
             for state in row["states"] or [{}]:
@@ -112,27 +111,26 @@ class Sweep(Sequence[Row]):
 
     def write(self) -> Path:
         """Writes the table into the folder: `table.parquet` where pyarrow is there, otherwise `table.csv`; returns its path."""
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ImportError:
+            path = self.folder / "table.csv"
+            replace(path, _native.table_of(self.folder).encode())
+            # One of before would be taken for this one.
+            (self.folder / "table.parquet").unlink(missing_ok=True)
+            return path
         rows = self.table()
         names = list(dict.fromkeys(name for row in rows for name in row))
         # What stands behind the numbers stays there, whichever design had them first.
         last = ["reason", "message", "seconds", "cpu_seconds", "threads"]
         names = [name for name in names if name not in last] + last
-        try:
-            import pyarrow
-            import pyarrow.parquet
-        except ImportError:
-            text = io.StringIO()
-            writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-            path = self.folder / "table.csv"
-            replace(path, text.getvalue().encode())
-            return path
         columns = {name: _alike([row.get(name) for row in rows]) for name in names}
         buffer = io.BytesIO()
         pyarrow.parquet.write_table(pyarrow.table(columns), buffer)
         path = self.folder / "table.parquet"
         replace(path, buffer.getvalue())
+        (self.folder / "table.csv").unlink(missing_ok=True)
         return path
 
     def __repr__(self) -> str:
@@ -224,9 +222,9 @@ def sweep(
     folder = Path(out).absolute()
     with _held(folder):
         base, contents = _in_memory(base, designs)
-        origin = _origin(base, contents.pop())
+        origin = _native.identity_of(base._study, contents.pop(), False)
         entries = [
-            {"identity": _identity(origin, fields, design, content), "inputs": _plain(design)}
+            {"identity": _identity(base, origin, fields, design, content), "inputs": _plain(design)}
             for design, content in zip(designs, contents, strict=True)
         ]
         _begin(folder, origin, entries, base)
@@ -297,30 +295,33 @@ def _solved(pool: Executor, tasks: list[Task]) -> Iterator[Row]:
 
 def _lost(task: Task, words: str) -> Row:
     row: Row = {"identity": task.identity, "status": "worker-died", "reason": "worker-died", "message": words}
-    return row | {"advice": "", "states": [], "seconds": math.nan, "cpu_seconds": math.nan, "threads": task.threads}
+    return row | {"advice": "", "states": [], "warnings": [], "seconds": None, "cpu_seconds": None, "threads": task.threads}
 
 
 def _checked(base: Study, designs: list[Design]) -> float | None:
     """The largest estimate of memory, bytes. Fails if no design can be read: a key is misspelt, or everything is out of range."""
-    first, largest, is_any = None, None, False
+    first, largest, any_one = None, None, None
     for design in designs:
         try:
-            estimate = base.copy().set(design)._study.estimate
-            is_any = True
+            one = base.copy().set(design)
+            estimate = one._study.estimate
+            any_one = any_one or one
         except InputError as error:
-            # A key that is unknown is so in all designs, and a slip.
-            if first is None or any("unknown key" in problem.message for problem in error.problems):
-                first = error
-            if any("unknown key" in problem.message for problem in error.problems):
+            # A name that is unknown is a slip.
+            if any("unknown key" in problem.message or "no material" in problem.message for problem in error.problems):
                 raise
+            first = first or error
             continue
         if estimate is not None:
             largest = max(largest or 0.0, estimate[1])
-    if not is_any and first is not None:
+    if any_one is None and first is not None:
         raise first
-    if largest is None and not isinstance(base, Case):
-        # A mesh does not change with the design.
-        largest = base.check(force=True).memory_bytes
+    if largest is None and any_one is not None and not isinstance(base, Case):
+        try:
+            # A mesh hardly changes with the design; the base itself is only a template.
+            largest = any_one.check(force=True).memory_bytes
+        except InputError:
+            pass
     return largest
 
 
@@ -345,6 +346,9 @@ def _plain(value: Any) -> Any:
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple, range)):
         return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        # It has no other form in JSON.
+        return str(value)
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
@@ -354,34 +358,31 @@ def _in_memory(base: Study, designs: list[Design]) -> tuple[Study, list[str]]:
     if base._study.kind == "case":
         return base, [""] * (len(designs) + 1)
     main = os.fspath(base._study.path)
-    files, known = base._files(), {}
-    contents = []
+    # By itself it may be a template that names no body.
+    files = {main: base._study.text.encode()} if base._study.kind == "model" else {}
+    first: dict[str, Design] = {}
+    names = []
     for design in [*designs, {}]:
         try:
             one = base.copy().set(design)
         except InputError:
             # It reads nothing.
-            contents.append("")
+            names.append("")
             continue
         source = one.values.get("model") or {}
-        name = json.dumps(source, sort_keys=True)
-        if name not in known:
-            digest = hashlib.blake2b(digest_size=16)
-            try:
-                read = one._files()
-            except InputError as error:
-                # Bad input, as long as it is what it is.
-                path = Path(main).parent / source.get("file", "")
-                read = {os.fspath(path): path.read_bytes()} if path.is_file() else {}
-                digest.update(str(error).encode())
-            for path_, data in sorted(read.items()):
-                # What a model file says are its values.
-                if path_ != main or base._study.kind == "deck":
-                    digest.update(json.dumps([os.path.relpath(path_, Path(main).parent), len(data)]).encode() + data)
-            files |= read
-            known[name] = digest.hexdigest()
-        contents.append(known[name])
-    return base._reading(files), contents
+        names.append(json.dumps(source, sort_keys=True))
+        if names[-1] in first:
+            continue
+        first[names[-1]] = design
+        try:
+            files |= one._files()
+        except InputError:
+            # Bad input, as long as it is what it is.
+            path = Path(main).parent / source.get("file", "")
+            files |= {os.fspath(path): path.read_bytes()} if path.is_file() else {}
+    base = base._reading(files)
+    contents = {name: _native.content_of(base.copy().set(design)._study) for name, design in first.items()}
+    return base, [contents.get(name, "") for name in names]
 
 
 def _sent(folder: Path, base: Study) -> bytes | str:
@@ -398,17 +399,12 @@ def _sent(folder: Path, base: Study) -> bytes | str:
     return str(path)
 
 
-def _origin(base: Study, content: str) -> str:
-    """A number for what all designs have in common: the values, the mesh or the files, the version."""
-    # Where it was read from makes no difference.
-    text = json.dumps([_native.VERSION, type(base).__name__, base.values, content], sort_keys=True)
-    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
-
-
-def _identity(origin: str, fields: bool, design: Design, content: str) -> str:
-    pairs = sorted(flat({key: _plain(value) for key, value in design.items()}))
-    text = json.dumps([origin, fields, pairs, content])
-    return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
+def _identity(base: Study, origin: str, fields: bool, design: Design, content: str) -> str:
+    """The name of a design: what its results are a function of, so that the program finds it, too."""
+    try:
+        return _native.identity_of(base.copy().set(design)._study, content, fields)
+    except InputError:
+        return _native.identity_of_bad_input(origin, flat({key: _plain(value) for key, value in design.items()}), fields)
 
 
 def _record(folder: Path, identity: str) -> Path:
@@ -418,6 +414,7 @@ def _record(folder: Path, identity: str) -> Path:
 def _row_of(folder: Path, number: int, identity: str, inputs: dict[str, Any]) -> Row:
     path = row_file(folder, identity)
     row: Row = {"identity": identity, "status": "open", "reason": None, "message": "", "advice": "", "states": []}
+    row |= {"warnings": [], "seconds": None, "cpu_seconds": None, "threads": None}
     try:
         row = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -72,6 +72,7 @@ def solve_design(task: Task) -> Row:
         pass
     began, cpu = time.perf_counter(), time.process_time()
     row: Row = {"identity": task.identity, "status": "error", "reason": None, "message": "", "advice": "", "states": []}
+    row["warnings"] = []
     result = None
     try:
         study = _base(task.base).copy().set(task.design)

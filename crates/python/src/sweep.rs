@@ -1,0 +1,53 @@
+//! What the program's sweeps and the package's have in common: names of designs, numbers of states, the table.
+
+use std::path::PathBuf;
+
+use pneuflex::post::summary::StepSummary;
+use pneuflex::{Error, ResultsError};
+use pneuflex_sweep::folder::plan_of;
+use pneuflex_sweep::numbers::Tip;
+use pneuflex_sweep::{Row, identity, table};
+use pyo3::prelude::*;
+
+use crate::error::apart;
+use crate::study::Study;
+
+/// The name of a design of a sweep, by the content of its files.
+#[pyfunction]
+pub fn identity_of(py: Python<'_>, study: &Study, content: &str, fields: bool) -> PyResult<String> {
+    apart(py, || identity::of_study(&study.0, content, fields))
+}
+
+/// The name of a design whose values make no body, in a sweep of that origin.
+#[pyfunction]
+pub fn identity_of_bad_input(origin: &str, design: Vec<(String, String)>, fields: bool) -> String {
+    identity::of_bad_input(origin, &design, fields)
+}
+
+/// A digest of the files that a study reads beside its values.
+#[pyfunction]
+pub fn content_of(py: Python<'_>, study: &Study) -> PyResult<String> {
+    apart(py, || Ok(identity::content(&study.0)))
+}
+
+/// The numbers of a state by their columns, as JSON, from its part of `summary.json`; `length` is that of an actuator at rest, `tip_at` the
+/// place of the probe `tip`.
+#[pyfunction]
+pub fn numbers(py: Python<'_>, summary: &str, length: Option<f64>, tip_at: Option<[f64; 3]>) -> PyResult<String> {
+    let wrong = |error: serde_json::Error| Error::from(ResultsError::not_representable("summary", error));
+    apart(py, || {
+        let state: StepSummary = serde_json::from_str(summary).map_err(wrong)?;
+        let numbers = pneuflex_sweep::numbers::numbers(&state, &Tip { length, probe_at: tip_at });
+        serde_json::to_string(&numbers).map_err(wrong)
+    })
+}
+
+/// The table of a sweep's folder as CSV.
+#[pyfunction]
+pub fn table_of(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    apart(py, || {
+        let plan = plan_of(&folder)?;
+        let rows: Vec<Row> = plan.designs.iter().map(|entry| Row::read(&folder, &entry.identity)).collect();
+        Ok(table::csv(&plan, &rows).map_err(|why| ResultsError::not_representable("table.csv", why))?)
+    })
+}

@@ -1,0 +1,156 @@
+//! Solving one design.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use pneuflex::report_page::write_report;
+use pneuflex::{Error, InputErrorKind, OutputFolder, Solution, Start, Study};
+use serde::{Deserialize, Serialize};
+
+use crate::base::{Base, Design};
+use crate::identity;
+use crate::numbers::{Tip, numbers};
+use crate::row::Row;
+
+/// What all designs of a sweep are solved from and with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Job {
+    /// What they are made from.
+    pub base: Base,
+    /// The sweep's folder.
+    pub folder: PathBuf,
+    /// Threads of the solver.
+    pub threads: usize,
+    /// Whether their fields are kept.
+    pub fields: bool,
+}
+
+/// A design to be solved.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Task {
+    /// Its name.
+    pub identity: String,
+    /// Its values by keys.
+    pub design: Design,
+}
+
+/// The folder of a design's own results.
+pub fn record(folder: &Path, identity: &str) -> PathBuf {
+    folder.join("designs").join(identity)
+}
+
+/// Solves a design and writes its row before anybody hears of it: what is finished is never lost. Designs that cannot be solved have rows,
+/// too, which say why.
+pub fn solve(job: &Job, task: &Task) -> Row {
+    // Of a worker that died, or was lost, after it had finished.
+    let before = Row::read(&job.folder, &task.identity);
+    if before.status != "open" {
+        return before;
+    }
+    let (began, cpu) = (Instant::now(), cpu_seconds());
+    let mut row = catch_unwind(AssertUnwindSafe(|| solved(job, task))).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
+        let mut row = Row::new(&task.identity, "error");
+        row.reason = Some("panic".into());
+        row.message = format!("a defect of pneuflex, please report it: {}", said.unwrap_or("unknown"));
+        row
+    });
+    row.seconds = Some(began.elapsed().as_secs_f64());
+    row.cpu_seconds = cpu.zip(cpu_seconds()).map(|(before, after)| after - before);
+    row.threads = Some(job.threads);
+    if let Err(error) = row.keep(&job.folder) {
+        // Not kept: the next call tries it again.
+        row = Row::new(&task.identity, "error");
+        row.reason = Some("results".into());
+        row.message = format!("{}: cannot be written to: {error}", job.folder.display());
+    }
+    row
+}
+
+fn solved(job: &Job, task: &Task) -> Row {
+    let mut row = Row::new(&task.identity, "error");
+    let study = match job.base.study(&task.design) {
+        Ok(study) => study,
+        Err(error) => return failed(row, error, &Tip::default()),
+    };
+    match identity::of_study(&study, &identity::content(&study), job.fields) {
+        Ok(identity) if identity == task.identity => {}
+        Ok(_) => {
+            row.reason = Some("input-changed".into());
+            row.message = format!("{} or what it reads has changed since the sweep began", job.base.path.display());
+            return row;
+        }
+        Err(error) => return failed(row, error, &Tip::default()),
+    }
+    let tip = Tip::of(&study);
+    match followed(job, task, &study) {
+        Ok(solution) => {
+            row.status = solution.status.name().into();
+            found(&mut row, &solution, &tip);
+            row
+        }
+        Err(error) => failed(row, error, &tip),
+    }
+}
+
+fn followed(job: &Job, task: &Task, study: &Study) -> Result<Solution, Error> {
+    let analysis = study.build()?;
+    let run = analysis.run().without_fields();
+    if !job.fields {
+        return run.solve();
+    }
+    let folder = OutputFolder::prepare(&record(&job.folder, &task.identity))?;
+    let ended = run.record_in(folder.clone(), Start::AtRest).solve();
+    // What was solved is there without a report, too.
+    if !matches!(ended, Err(Error::Setup(_) | Error::Input(_))) {
+        let _ = write_report(&folder);
+    }
+    ended
+}
+
+/// What was found.
+fn found(row: &mut Row, solution: &Solution, tip: &Tip) {
+    row.states = solution.states.iter().map(|state| numbers(state, tip)).collect();
+    let name = |kind| serde_json::to_value(kind).ok().and_then(|kind| kind.as_str().map(str::to_owned));
+    row.warnings = solution.warnings.iter().filter_map(|warning| name(warning.kind)).collect();
+}
+
+/// The row of a design that did not come to its end.
+fn failed(mut row: Row, error: Error, tip: &Tip) -> Row {
+    row.message = error.to_string();
+    match error {
+        Error::Input(errors) => {
+            // Another machine, or this one at another time, may have room for it.
+            let is_of_machine = errors.iter().any(|error| error.kind() != InputErrorKind::Other);
+            let (status, reason) = if is_of_machine { ("error", "machine") } else { ("bad-input", "bad-input") };
+            (row.status, row.reason) = (status.into(), Some(reason.into()));
+            row.message = errors.iter().map(|error| error.in_full(error.help())).collect::<Vec<_>>().join("\n");
+        }
+        Error::Setup(ref ended) | Error::NotConverged(ref ended) | Error::Interrupted(ref ended) => {
+            let is_setup = matches!(error, Error::Setup(_));
+            row.status = if is_setup { "setup" } else { ended.reached.status.name() }.into();
+            let reason = ended.reason.as_ref();
+            let kind = reason.and_then(|reason| serde_json::to_value(reason.kind).ok());
+            row.reason = Some(kind.and_then(|kind| kind.as_str().map(str::to_owned)).unwrap_or(row.status.clone()));
+            row.advice = reason.map(|reason| reason.advice.clone()).unwrap_or_default();
+            found(&mut row, &ended.reached, tip);
+        }
+        Error::Results(_) => row.reason = Some("results".into()),
+        Error::Threads { .. } => row.reason = Some("machine".into()),
+    }
+    row
+}
+
+/// Seconds that all cores have spent on this process.
+#[cfg(unix)]
+fn cpu_seconds() -> Option<f64> {
+    use nix::time::{ClockId, clock_gettime};
+    let spent = clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).ok()?;
+    Some(spent.tv_sec() as f64 + 1e-9 * spent.tv_nsec() as f64)
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> Option<f64> {
+    None
+}
