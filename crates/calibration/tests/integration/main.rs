@@ -1,5 +1,6 @@
 //! From the file of a test to constants.
 //!
+//! * [`choice`]: which law is recommended.
 //! * [`curves`]: layouts of files, and what is refused.
 //! * [`fits`]: fits with known answers.
 //! * [`fuzz`]: files that may hold anything.
@@ -9,6 +10,7 @@
 // Helpers count as tests here.
 #![allow(clippy::unwrap_used)]
 
+mod choice;
 mod curves;
 mod fits;
 mod fuzz;
