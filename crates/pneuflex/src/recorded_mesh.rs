@@ -44,7 +44,10 @@ pub fn check(formulation: Formulation, mesh: &Mesh) -> Result<(), InputError> {
         is_used[node as usize] = true;
     }
     if let Some(node) = is_used.iter().position(|is_used| !is_used) {
-        return wrong(format!("node {node} at {:?} mm belongs to no cell and to no set: leave it out", mesh.nodes[node]));
+        return wrong(format!(
+            "node {node} at {:?} mm belongs to no cell and to no set: leave it out",
+            mesh.nodes[node]
+        ));
     }
     let missing =
         |(name, count): (&String, usize)| wrong(format!("set {name} has members that are not there: {count}"));
