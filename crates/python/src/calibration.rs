@@ -91,7 +91,7 @@ pub fn fit(
     let wanted = one_of(py, "law", Some(law), family_of, "yeoh, neo-hooke, mooney-rivlin, ogden or gent")?;
     let wanted = Choice { family: wanted.unwrap_or(Family::Yeoh), terms };
     if !wanted.is_possible() {
-        return Err(wrong(py, "terms: yeoh has 2 or 3, ogden 1 to 3, the others have none".into()));
+        return Err(wrong(py, "terms: yeoh has 2 or 3, ogden 1 to 3, the others have none"));
     }
     let cycles = match cycles {
         "last" => Cycles::Last,

@@ -84,9 +84,9 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("material.volumetric", "energy of a change of volume", ""),
     ("material.density", "density", "g/cm³"),
     ("material.fitted_to", "largest stretch of the uniaxial test behind the constants", ""),
-    ("material.fitted_to.uniaxial", "the same", ""),
-    ("material.fitted_to.equibiaxial", "that of an equibiaxial test", ""),
-    ("material.fitted_to.planar", "that of a planar test", ""),
+    ("material.fitted_to.uniaxial", "largest stretch of the uniaxial test behind the constants", ""),
+    ("material.fitted_to.equibiaxial", "largest stretch of the equibiaxial test behind the constants", ""),
+    ("material.fitted_to.planar", "largest stretch of the planar test behind the constants", ""),
     ("region.name", "name", ""),
     ("region.elements", "element set", ""),
     ("region.box", "two corners of a box around the elements' centres", "mm"),
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(headings[..5], ["Body", "Material", "Region 1", "Region 2", "Support"]);
         let factor = groups[4].rows.iter().find(|row| row.key == "factor").unwrap();
         assert_eq!(factor.value, "(0, 0), (1, 2.5)");
-        let material = groups[2].rows.iter().find(|row| row.key == "material.c10").unwrap();
+        let material = groups[3].rows.iter().find(|row| row.key == "material.c10").unwrap();
         assert_eq!((material.value.as_str(), material.unit), ("0.1", "MPa"));
     }
 }

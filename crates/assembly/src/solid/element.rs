@@ -46,14 +46,17 @@ impl Solid {
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
             let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
+            let overflow = LocalError { block: element, point: index, jacobian: kinematics.jacobian };
             let Some(mut d) = material.law.by_invariants(&kinematics) else {
                 let state = GeneralPoint { kinematics: &kinematics, g: &g, volume, shared };
                 let residual = (request >= Request::Residual).then_some(&mut residual);
                 let energy = state.add::<N, FMA>(material, residual, tangent.as_mut());
-                let overflow = LocalError { block: element, point: index, jacobian: kinematics.jacobian };
                 out.energy += energy.ok_or(overflow)?;
                 continue;
             };
+            if !d.energy.is_finite() {
+                return Err(overflow);
+            }
             let excess = kinematics.jacobian_minus_1;
             d.energy += 0.5 * material.fluctuation_modulus * excess * excess;
             d.wj += material.fluctuation_modulus * excess;

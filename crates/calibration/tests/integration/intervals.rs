@@ -72,11 +72,11 @@ fn coverage((choice, truth, moduli): &(Choice, Law, Vec<f64>), residuals: Residu
     covered.into_iter().map(|number| f64::from(number as u32) / draws as f64).collect()
 }
 
-fn check(draws: usize, [least, most]: [f64; 2]) {
+fn check(truths: &[(Choice, Law, Vec<f64>)], draws: usize, [least, most]: [f64; 2]) {
     let mut missed = Vec::new();
-    for truth in truths() {
+    for truth in truths {
         for residuals in [Residuals::Absolute, Residuals::Relative] {
-            let shares = coverage(&truth, residuals, draws);
+            let shares = coverage(truth, residuals, draws);
             println!("{} {residuals:?}: {shares:?} of {draws}", truth.0.name());
             if !shares.iter().all(|share| (least..=most).contains(share)) {
                 missed.push((truth.0.name(), residuals, shares));
@@ -86,15 +86,16 @@ fn check(draws: usize, [least, most]: [f64; 2]) {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-/// With 60 draws a share of 95 % comes out above 85 % all but always.
+/// With 60 draws a share of 95 % comes out above 85 % all but always; Yeoh's law, by a linear regression, takes more in no time.
 #[test]
 fn intervals_cover_the_truth() {
-    check(60, [0.85, 1.0]);
+    check(&truths(), 60, [0.85, 1.0]);
+    check(&truths()[..1], 120, [0.9, 0.99]);
 }
 
 /// Figures of docs/measurements.md.
 #[test]
 #[ignore = "some minutes"]
 fn intervals_cover_the_truth_in_400_draws() {
-    check(400, [0.9, 0.99]);
+    check(&truths(), 400, [0.9, 0.99]);
 }

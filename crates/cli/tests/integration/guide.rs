@@ -475,6 +475,7 @@ fn the_reference_has_the_choices_of_the_program_and_every_key_is_checked() {
             let constants = match (row.key.as_str(), choice.as_str()) {
                 ("material.law", "mooney-rivlin" | "polynomial") => ", c10=0.1, c01=0.1",
                 ("material.law", "ogden") => ", mu=[0.1], alpha=[2]",
+                ("material.law", "gent") => ", shear_modulus=0.2, jm=30",
                 ("material.law", _) => ", c10=0.1",
                 _ => "",
             };
