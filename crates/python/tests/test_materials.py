@@ -67,7 +67,8 @@ def test_bad_fits_are_refused() -> None:
     good = np.linspace(1.1, 2, 9)
     for arguments, keys, match in [
         ((), {}, "at least one"),
-        ((CURVE,), {"law": "gent"}, "yeoh, neo-hooke, mooney-rivlin or ogden"),
+        ((CURVE,), {"law": "arruda-boyce"}, "yeoh, neo-hooke, mooney-rivlin, ogden or gent"),
+        ((CURVE,), {"law": "gent", "terms": 2}, "terms: yeoh has 2 or 3, ogden 1 to 3"),
         ((CURVE,), {"to_stretch": 1.0}, "left to fit"),
         ((CURVE,), {"residuals": "x"}, "absolute or relative"),
         ((CURVE,), {"cycles": "x"}, "last, first or all"),
