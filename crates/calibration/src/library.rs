@@ -85,7 +85,7 @@ const fn published(name: &'static str, source: &'static str, constants: [f64; 3]
 }
 
 /// All sets; those of one material follow each other, the one to try first in front.
-pub const ENTRIES: [Entry; 30] = [
+pub const ENTRIES: [Entry; 31] = [
     own(
         "Ecoflex 00-10",
         "ecoflex_00-10.csv",
@@ -191,6 +191,7 @@ pub const ENTRIES: [Entry; 30] = [
         "uniaxial, stretch 1 to 6.0, within 3 % from 10 % strain on",
         [0.138725, 0.0058554, -6.73871e-5],
     ),
+    published("Elastic 50A", sorotoki!("+preset/+material/Elastic50A.m", "ca7a079"), [0.5056, 0.0, 0.002562]),
     published("Elastosil 28", sorotoki!("+preset/+material/Elastosil28.m", "ca7a079"), [0.11, 0.02, 0.0]),
     Entry {
         name: "Silicone of Meunier 2008",
