@@ -104,20 +104,25 @@ fn table(folder: &Folder, quiet: bool) -> Result<Outcome, CliError> {
     let left = rows.iter().filter(|row| !row.is_finished()).count();
     if !quiet {
         say(&format!("{} of {} designs finished; the table is {}", rows.len() - left, rows.len(), file.display()));
-        let mut reasons: Vec<(&str, usize)> = Vec::new();
+        let mut reasons: Vec<(&str, usize, &str)> = Vec::new();
         for row in &failed {
             let reason = row.reason.as_deref().unwrap_or(&row.status);
-            match reasons.iter_mut().find(|(other, _)| *other == reason) {
-                Some((_, count)) => *count += 1,
-                None => reasons.push((reason, 1)),
+            match reasons.iter_mut().find(|(other, ..)| *other == reason) {
+                Some((_, count, _)) => *count += 1,
+                None => reasons.push((reason, 1, &row.message)),
             }
         }
-        for (reason, count) in reasons {
-            say(&format!("  {count} failed: {reason}"));
+        for (reason, count, message) in reasons {
+            let first = message.lines().next().unwrap_or_default();
+            say(&format!(
+                "  {count} failed: {reason}{}{first}",
+                if first.is_empty() { "" } else { ", the first with " }
+            ));
         }
     }
     if left == 0 {
-        return Ok(Outcome::Converged);
+        let is_all = !rows.is_empty() && failed.len() == rows.len();
+        return Ok(if is_all { Outcome::NotConverged } else { Outcome::Converged });
     }
     // Said even when quiet: it is the reason for the exit code.
     say(&format!("{left} designs are left: the same command tries them again"));
