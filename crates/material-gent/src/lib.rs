@@ -9,7 +9,8 @@
 //! the solver takes as a step that goes too far. Below, φ′ and φ″ are positive, so that the law is stable in every deformation. For
 //! J_m → ∞ it is neo-Hooke's.
 
-use pneuflex_material::{Hyperelastic, InvariantDerivatives, Kinematics, Response, Tensor};
+use pneuflex_material::FirstInvariant;
+use pneuflex_model::Invariant;
 
 /// Gent's law without its volumetric term, in the isochoric invariant.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,9 +26,16 @@ impl Gent {
     pub fn new(shear_modulus: f64, jm: f64) -> Self {
         Self { shear_modulus, jm }
     }
+}
 
-    /// φ(x) and its first two derivatives, MPa; infinite from J_m on.
-    pub fn energy_of(&self, x: f64) -> [f64; 3] {
+impl FirstInvariant for Gent {
+    #[inline]
+    fn invariant(&self) -> Invariant {
+        Invariant::Isochoric
+    }
+
+    #[inline]
+    fn energy_of(&self, x: f64) -> [f64; 3] {
         let left = 1.0 - x / self.jm;
         // Beyond J_m the formula has a value again, of the wrong sign.
         if left <= 0.0 {
@@ -36,52 +44,13 @@ impl Gent {
         let slope = 0.5 * self.shear_modulus / left;
         [-0.5 * self.shear_modulus * self.jm * (-x / self.jm).ln_1p(), slope, slope / (self.jm * left)]
     }
-
-    /// Energy density and derivatives by I₁ and J.
-    pub fn evaluate(&self, kinematics: &Kinematics) -> InvariantDerivatives {
-        let j = kinematics.jacobian;
-        // Ī − 3 = s (I₁ − 3) + 3 (s − 1) keeps its digits near the undeformed state.
-        let exponent = -2.0 / 3.0 * kinematics.jacobian_minus_1.ln_1p();
-        let (s, s_minus_1) = (exponent.exp(), exponent.exp_m1());
-        let bar_minus_3 = s * kinematics.i1_minus_3 + 3.0 * s_minus_1;
-        let bar = bar_minus_3 + 3.0;
-        let [energy, d1, d2] = self.energy_of(bar_minus_3);
-        let bar_j = -2.0 / 3.0 * bar / j;
-        InvariantDerivatives {
-            energy,
-            w1: d1 * s,
-            wj: d1 * bar_j,
-            w11: d2 * s * s,
-            w1j: d2 * s * bar_j - d1 * 2.0 / 3.0 * s / j,
-            wjj: d2 * bar_j * bar_j + d1 * 10.0 / 9.0 * bar / (j * j),
-        }
-    }
-}
-
-impl Hyperelastic for Gent {
-    #[inline]
-    fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
-        Some(self.evaluate(kinematics))
-    }
-
-    fn respond(&self, kinematics: &Kinematics) -> Response {
-        self.evaluate(kinematics).response(kinematics)
-    }
-
-    fn energy_and_stress(&self, kinematics: &Kinematics) -> (f64, Tensor) {
-        let d = self.evaluate(kinematics);
-        (d.energy, d.stress(kinematics))
-    }
-
-    fn cauchy_stress(&self, kinematics: &Kinematics) -> Tensor {
-        self.evaluate(kinematics).cauchy_stress(kinematics)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use pneuflex_material::battery::{self, Mode};
+    use pneuflex_material::{Hyperelastic, Kinematics};
 
     #[test]
     fn it_passes_the_battery() {

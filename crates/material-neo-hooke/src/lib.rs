@@ -1,6 +1,6 @@
 //! Neo-Hookean hyperelasticity: W = C₁₀ (Ī − 3), with Ī = I₁ (the *full* invariant) or Ī = J^(−2/3) I₁ (*isochoric*).
 
-use pneuflex_material::{Hyperelastic, InvariantDerivatives, Kinematics, Response, Tensor};
+use pneuflex_material::FirstInvariant;
 use pneuflex_model::Invariant;
 
 /// The neo-Hookean law without its volumetric term.
@@ -15,47 +15,17 @@ impl NeoHooke {
     pub fn new(c10: f64, invariant: Invariant) -> Self {
         Self { c10, invariant }
     }
-
-    /// Energy density and derivatives by I₁ and J.
-    pub fn evaluate(&self, kinematics: &Kinematics) -> InvariantDerivatives {
-        let c10 = self.c10;
-        match self.invariant {
-            Invariant::Full => {
-                InvariantDerivatives { energy: c10 * kinematics.i1_minus_3, w1: c10, ..Default::default() }
-            }
-            Invariant::Isochoric => {
-                let j = kinematics.jacobian;
-                // Ī − 3 = s (I₁ − 3) + 3 (s − 1) keeps its digits near the undeformed state.
-                let exponent = -2.0 / 3.0 * kinematics.jacobian_minus_1.ln_1p();
-                let (s, s_minus_1) = (exponent.exp(), exponent.exp_m1());
-                let bar_minus_3 = s * kinematics.i1_minus_3 + 3.0 * s_minus_1;
-                let bar = bar_minus_3 + 3.0;
-                InvariantDerivatives {
-                    energy: c10 * bar_minus_3,
-                    w1: c10 * s,
-                    wj: -2.0 / 3.0 * c10 * bar / j,
-                    w11: 0.0,
-                    w1j: -2.0 / 3.0 * c10 * s / j,
-                    wjj: 10.0 / 9.0 * c10 * bar / (j * j),
-                }
-            }
-        }
-    }
 }
 
-impl Hyperelastic for NeoHooke {
+impl FirstInvariant for NeoHooke {
     #[inline]
-    fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
-        Some(self.evaluate(kinematics))
+    fn invariant(&self) -> Invariant {
+        self.invariant
     }
 
-    fn respond(&self, kinematics: &Kinematics) -> Response {
-        self.evaluate(kinematics).response(kinematics)
-    }
-
-    fn energy_and_stress(&self, kinematics: &Kinematics) -> (f64, Tensor) {
-        let d = self.evaluate(kinematics);
-        (d.energy, d.stress(kinematics))
+    #[inline]
+    fn energy_of(&self, x: f64) -> [f64; 3] {
+        [self.c10 * x, self.c10, 0.0]
     }
 }
 

@@ -4,9 +4,9 @@
 //! `Ī = J^(−2/3) I₁` (*isochoric*). The volumetric term ½ κ (J − 1)² belongs to the element, which decides where it is
 //! evaluated; see the assembly crate.
 
-pub mod limits;
+mod limits;
 
-use pneuflex_material::{Hyperelastic, InvariantDerivatives, Kinematics, Response, Tensor};
+use pneuflex_material::FirstInvariant;
 use pneuflex_model::{Invariant, Material};
 
 /// The Yeoh law without its volumetric term.
@@ -27,63 +27,23 @@ impl Yeoh {
     pub fn of(material: &Material) -> Option<Self> {
         Some(Self::new(material.law.reduced_polynomial()?, material.invariant))
     }
+}
 
-    /// Energy density and derivatives at a deformation.
-    pub fn evaluate(&self, kinematics: &Kinematics) -> InvariantDerivatives {
-        match self.invariant {
-            Invariant::Full => {
-                let [w, w1, w11] = self.energy_of(kinematics.i1_minus_3);
-                InvariantDerivatives { energy: w, w1, w11, ..Default::default() }
-            }
-            Invariant::Isochoric => {
-                let j = kinematics.jacobian;
-                // Ī − 3 = s (I₁ − 3) + 3 (s − 1) keeps its digits near the undeformed state.
-                let exponent = -2.0 / 3.0 * kinematics.jacobian_minus_1.ln_1p();
-                let (s, s_minus_1) = (exponent.exp(), exponent.exp_m1());
-                let bar_minus_3 = s * kinematics.i1_minus_3 + 3.0 * s_minus_1;
-                let bar = bar_minus_3 + 3.0;
-                let [w, d1, d2] = self.energy_of(bar_minus_3);
-                let bar_j = -2.0 / 3.0 * bar / j;
-                InvariantDerivatives {
-                    energy: w,
-                    w1: d1 * s,
-                    wj: d1 * bar_j,
-                    w11: d2 * s * s,
-                    w1j: d2 * s * bar_j - d1 * 2.0 / 3.0 * s / j,
-                    wjj: d2 * bar_j * bar_j + d1 * 10.0 / 9.0 * bar / (j * j),
-                }
-            }
-        }
+impl FirstInvariant for Yeoh {
+    #[inline]
+    fn invariant(&self) -> Invariant {
+        self.invariant
     }
 
-    /// φ(x) = Σ Cᵢ₀ xⁱ and its first two derivatives, at x = Ī − 3.
-    pub fn energy_of(&self, x: f64) -> [f64; 3] {
+    /// φ(x) = Σ Cᵢ₀ xⁱ.
+    #[inline]
+    fn energy_of(&self, x: f64) -> [f64; 3] {
         let [c1, c2, c3] = self.coefficients;
         [x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3]
     }
-}
 
-impl Hyperelastic for Yeoh {
-    #[inline]
-    fn by_invariants(&self, kinematics: &Kinematics) -> Option<InvariantDerivatives> {
-        Some(self.evaluate(kinematics))
-    }
-
-    fn respond(&self, kinematics: &Kinematics) -> Response {
-        self.evaluate(kinematics).response(kinematics)
-    }
-
-    fn limit(&self) -> Option<f64> {
-        self.zero_slope()
-    }
-
-    fn energy_and_stress(&self, kinematics: &Kinematics) -> (f64, Tensor) {
-        let d = self.evaluate(kinematics);
-        (d.energy, d.stress(kinematics))
-    }
-
-    fn cauchy_stress(&self, kinematics: &Kinematics) -> Tensor {
-        self.evaluate(kinematics).cauchy_stress(kinematics)
+    fn zero_slope(&self) -> Option<f64> {
+        limits::zero_slope(self.coefficients)
     }
 }
 
@@ -91,6 +51,7 @@ impl Hyperelastic for Yeoh {
 mod tests {
     use super::*;
     use pneuflex_material::battery::{self, Mode};
+    use pneuflex_material::{Hyperelastic, InvariantDerivatives, Kinematics};
 
     fn law(invariant: Invariant) -> Yeoh {
         Yeoh::of(&Material { invariant, ..Material::default() }).unwrap()

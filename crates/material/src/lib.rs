@@ -5,7 +5,7 @@
 //! that the laws in the sibling crates offer, [`battery`] the tests that each of them passes, [`volumetric`] U and its
 //! derivatives.
 //!
-//! Laws in the invariants I₁ and J alone return the six numbers of [`InvariantDerivatives`], of which stress and tangent follow:
+//! Laws in the first invariant alone say no more than φ(Ī − 3) ([`FirstInvariant`]). Laws in the invariants I₁ and J return the six numbers of [`InvariantDerivatives`], of which stress and tangent follow:
 //!
 //! ```text
 //! P           = 2 W₁ F + W_J cof F
@@ -14,12 +14,14 @@
 
 pub mod battery;
 pub mod drucker;
+mod first_invariant;
 mod hyperelastic;
 mod invariants;
 pub mod kinematics;
 mod tensor;
 pub mod volumetric;
 
+pub use first_invariant::FirstInvariant;
 pub use hyperelastic::Hyperelastic;
 pub use invariants::InvariantDerivatives;
 pub use kinematics::{InvalidJacobian, Kinematics, cofactor};

@@ -213,7 +213,7 @@ fn in_words(name: &str, material: &Material) -> Option<String> {
             let zeros = ", 0.".repeat(terms.len().saturating_sub(1));
             format!("OGDEN, N={}\n{}, {d:?}{zeros}", terms.len(), constants.join(", "))
         }
-        Law::Gent { .. } => return None,
+        _ => return None,
     };
     let density = match material.density {
         0.0 => String::new(),
