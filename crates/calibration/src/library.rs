@@ -7,9 +7,10 @@
 
 use crate::bulk::{bulk_modulus, mean_stress};
 use crate::law::{Law, Mode};
+use pneuflex_model::{FittedTo, Material};
 
 /// A set of Yeoh constants.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Product or material.
     pub name: &'static str,
@@ -33,15 +34,27 @@ impl Entry {
         });
         self.bulk_modulus_of_source.unwrap_or_else(|| bulk_modulus(2.0 * self.constants[0], stress))
     }
+
+    /// The set as a material of case files, with six digits of what is chosen and not measured.
+    pub fn material(&self) -> Material {
+        let [c10, c20, c30] = self.constants;
+        let bulk = self.bulk_modulus();
+        let fitted_to =
+            self.fit.map(|fit| FittedTo::of([(Mode::Uniaxial, fit.to)].into_iter().chain(fit.also.iter().copied())));
+        let bulk_modulus = format!("{bulk:.5e}").parse().unwrap_or(bulk);
+        Material { bulk_modulus, fitted_to, ..Material::yeoh(c10, c20, c30) }
+    }
 }
 
 /// How constants of our own were fitted.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OwnFit {
     /// File in `fixtures/curves`.
     pub curve: &'static str,
     /// Largest stretch of the fit.
     pub to: f64,
+    /// Ends of other tests that were fitted, too.
+    pub also: &'static [(Mode, f64)],
     /// Arguments of `pneuflex fit` after the file.
     pub arguments: &'static str,
 }
@@ -69,13 +82,13 @@ const UNKNOWN: &str = "not stated";
 
 /// The longest range that Yeoh follows to 10 % from 10 % strain on: what `pneuflex fit` finds.
 const fn own(name: &'static str, curve: &'static str, to: f64, range: &'static str, constants: [f64; 3]) -> Entry {
-    let fit = OwnFit { curve, to, arguments: "" };
+    let fit = OwnFit { curve, to, also: &[], arguments: "" };
     Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus_of_source: None }
 }
 
 /// Up to twice the length, which actuators seldom go beyond.
 const fn moderate(name: &'static str, curve: &'static str, constants: [f64; 3]) -> Entry {
-    let fit = OwnFit { curve, to: 2.0, arguments: "--to 2" };
+    let fit = OwnFit { curve, to: 2.0, also: &[], arguments: "--to 2" };
     let range = "uniaxial, stretch 1 to 2, within 8 % from 10 % strain on";
     Entry { name, constants, range, source: MARECHAL, fit: Some(fit), bulk_modulus_of_source: None }
 }
@@ -198,7 +211,12 @@ pub const ENTRIES: [Entry; 31] = [
         constants: [0.179112, -0.0060882, 0.00229698],
         range: "uniaxial (stretch 0.49 to 2.17), equibiaxial (to 2.06) and planar (to 2.15) together, within 20 % from 10 % strain on",
         source: MEUNIER,
-        fit: Some(OwnFit { curve: "meunier_2008.csv", to: 2.17, arguments: "--unit MPa" }),
+        fit: Some(OwnFit {
+            curve: "meunier_2008.csv",
+            to: 2.17,
+            also: &[(Mode::Uniaxial, 0.49), (Mode::Equibiaxial, 2.06), (Mode::Planar, 2.15)],
+            arguments: "--unit MPa",
+        }),
         bulk_modulus_of_source: None,
     },
     Entry {

@@ -9,7 +9,7 @@ use pneuflex::calibration::law::{Law, Mode};
 use pneuflex::calibration::library::{ENTRIES, Entry, find, identifier};
 use pneuflex::plot::PlotError;
 use pneuflex::plot::chart::{Chart, Series, Style};
-use pneuflex::{InputError, OutputFolder, model};
+use pneuflex::{InputError, OutputFolder};
 
 use crate::error::CliError;
 use crate::fit::{significant, snippet};
@@ -155,13 +155,12 @@ fn table(index: usize) -> String {
         comments.push(format!("other sets: {}", others.join(", ")));
     }
     comments.push(WARNING.into());
-    let [c10, c20, c30] = entry.constants;
-    let material = model::Material::yeoh(c10, c20, c30);
-    let bulk = entry.bulk_modulus();
+    let material = entry.material();
     let comment = match entry.bulk_modulus_of_source {
         Some(_) => "as in the source".to_owned(),
-        None => format!("{:.0} times the initial shear modulus (2 c10)", bulk / material.shear_modulus()),
+        None => {
+            format!("{:.0} times the initial shear modulus (2 c10)", material.bulk_modulus / material.shear_modulus())
+        }
     };
-    let fitted_to = entry.fit.map(|fit| model::FittedTo::uniaxial(fit.to));
-    snippet::material(&comments, &model::Material { bulk_modulus: bulk, fitted_to, ..material }, &comment)
+    snippet::material(&comments, &material, &comment)
 }

@@ -143,8 +143,12 @@ pub fn fit(
 /// Known silicones as JSON.
 #[pyfunction]
 pub fn materials(py: Python<'_>) -> PyResult<String> {
-    let entry = |(number, entry): (usize, &Entry)| json!({ "identifier": identifier(number), "entry": entry, "bulk_modulus": entry.bulk_modulus() });
-    let all: Vec<_> = ENTRIES.iter().enumerate().map(entry).collect();
+    let all = ENTRIES.iter().enumerate().map(|(number, entry)| {
+        let Entry { name, constants, range, source, .. } = entry;
+        json!({ "identifier": identifier(number), "name": name, "constants": constants, "range": range, "source": source,
+                "material": entry.material() })
+    });
+    let all: Vec<_> = all.collect();
     serde_json::to_string(&all).map_err(|error| wrong(py, error.to_string()))
 }
 

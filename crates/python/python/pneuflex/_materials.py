@@ -47,13 +47,8 @@ class Silicone:
 def _library() -> tuple[Silicone, ...]:
     found = []
     for row in json.loads(_native.materials()):
-        entry = row["entry"]
-        constants = dict(zip(("c10", "c20", "c30"), entry["constants"], strict=True))
-        bulk = _rounded(row["bulk_modulus"])
-        material = {"law": "yeoh", **constants, "bulk_modulus": bulk, "invariant": "isochoric"}
-        if entry["fit"] is not None:
-            material["fitted_to"] = entry["fit"]["to"]
-        found.append(Silicone(row["identifier"], entry["name"], constants, entry["range"], entry["source"], material))
+        constants = dict(zip(("c10", "c20", "c30"), row["constants"], strict=True))
+        found.append(Silicone(row["identifier"], row["name"], constants, row["range"], row["source"], row["material"]))
     return tuple(found)
 
 
