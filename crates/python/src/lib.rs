@@ -38,7 +38,7 @@ mod _native {
     #[pymodule_export]
     use crate::study::{Analysis, Study, available_memory, template};
     #[pymodule_export]
-    use crate::sweep::{content_of, identity_of, identity_of_bad_input, numbers, table_of};
+    use crate::sweep::{content_of, identity_of, identity_of_bad_input, is_count, numbers, table_of};
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 }

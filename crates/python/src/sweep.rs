@@ -6,7 +6,7 @@ use pneuflex::post::summary::StepSummary;
 use pneuflex::{Error, ResultsError};
 use pneuflex_sweep::folder::plan_of;
 use pneuflex_sweep::numbers::Tip;
-use pneuflex_sweep::{Row, identity, table};
+use pneuflex_sweep::{Row, identity, space, table};
 use pyo3::prelude::*;
 
 use crate::error::apart;
@@ -22,6 +22,12 @@ pub fn identity_of(py: Python<'_>, study: &Study, content: &str, fields: bool) -
 #[pyfunction]
 pub fn identity_of_bad_input(origin: &str, design: Vec<(String, String)>, fields: bool) -> String {
     identity::of_bad_input(origin, &design, fields)
+}
+
+/// Whether the values of a key are counts.
+#[pyfunction]
+pub fn is_count(key: &str) -> bool {
+    space::is_count(key)
 }
 
 /// A digest of the files that a study reads beside its values.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::pairs::Pairs;
 
 /// What became of a design.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The design's name.
     pub identity: String,
@@ -45,18 +45,7 @@ pub struct Row {
 impl Row {
     /// A row of that status without anything else.
     pub fn new(identity: &str, status: &str) -> Self {
-        Self {
-            identity: identity.to_owned(),
-            status: status.to_owned(),
-            reason: None,
-            message: String::new(),
-            advice: String::new(),
-            states: Vec::new(),
-            warnings: Vec::new(),
-            seconds: None,
-            cpu_seconds: None,
-            threads: None,
-        }
+        Self { identity: identity.to_owned(), status: status.to_owned(), ..Self::default() }
     }
 
     /// The row of a design in a sweep's folder; `open` if there is none, or a damaged one.

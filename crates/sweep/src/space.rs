@@ -39,6 +39,11 @@ pub enum Sample {
     Sobol,
 }
 
+/// Whether the values of a key are counts. Between 1 mm and 2 mm there are others, however the ends are written.
+pub fn is_count(key: &str) -> bool {
+    ["actuator.chambers", "mesh.wall_elements", "solver.max_iterations", "solver.states_past_limit"].contains(&key)
+}
+
 /// Keys and what they may be.
 pub type Space = Vec<(String, Choice)>;
 
@@ -139,6 +144,23 @@ mod tests {
         let mut parts: Vec<usize> = sobol(&space(), 16, 5).iter().map(|d| ((gap(d) - 1.0) * 16.0) as usize).collect();
         parts.sort_unstable();
         assert_eq!(parts, (0..16).collect::<Vec<_>>());
+    }
+
+    /// The program takes a fraction of everything but of these.
+    #[test]
+    fn what_is_counted_takes_no_fraction() {
+        let case = pneuflex::template::two_chambers();
+        let takes = |key: &str| {
+            let mut study = pneuflex::Study::from_text("case.toml", &case).unwrap();
+            study.set_all([pneuflex::Change::new(key, "1.5")]).map(|_| ()).map_err(|error| error.to_string())
+        };
+        for key in ["actuator.chambers", "mesh.wall_elements", "solver.max_iterations", "solver.states_past_limit"] {
+            let refused = takes(key).unwrap_err();
+            assert!(is_count(key) && refused.contains("whole number"), "{key}: {refused}");
+        }
+        for key in ["actuator.gap", "mesh.size", "material.c10", "contact.stiffness", "solver.max_step_kpa"] {
+            assert!(!is_count(key) && takes(key).is_ok(), "{key}");
+        }
     }
 
     #[test]

@@ -92,7 +92,7 @@ impl SweepFile {
     fn choices(&self) -> Result<Space, Vec<CaseError>> {
         let (mut space, mut wrong) = (Space::new(), Vec::new());
         for (key, node) in self.space.leaves() {
-            match node.choice() {
+            match node.choice(space::is_count(&key)) {
                 Ok(choice) => space.push((key, choice)),
                 Err(allowed) => wrong.push(problem(&format!("space.{key}"), node.in_words(), allowed)),
             }
@@ -265,7 +265,7 @@ impl Node {
     ///
     /// # Errors
     /// What it must be, in words.
-    fn choice(&self) -> Result<Choice, String> {
+    fn choice(&self, is_count: bool) -> Result<Choice, String> {
         let expected = || "must be a list of values or { from = …, to = … }".to_owned();
         match self {
             Self::List(values) if values.is_empty() => Err("must have at least one value".into()),
@@ -274,7 +274,10 @@ impl Node {
                 let end = |name: &str| pairs.iter().find(|(key, _)| key == name).map(|(_, node)| node.value());
                 let (Some(from), Some(to), 2) = (end("from"), end("to"), pairs.len()) else { return Err(expected()) };
                 match (&from, &to) {
-                    (Value::Integer(from), Value::Integer(to)) if from <= to => Ok(Choice::WholeBetween(*from, *to)),
+                    (Value::Integer(from), Value::Integer(to)) if is_count && from <= to => {
+                        Ok(Choice::WholeBetween(*from, *to))
+                    }
+                    _ if is_count => Err("must be from a whole number to one that is not smaller".into()),
                     _ => {
                         let number = |value: &Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
                         let ends = number(&from)

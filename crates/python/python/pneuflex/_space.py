@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _native
 from ._arrays import whole
 from ._errors import InputError, missing
 
@@ -15,7 +16,7 @@ Design = dict[str, Any]
 """Values by keys, as :meth:`pneuflex.Study.set` takes them."""
 
 Range = tuple[float, float] | list[Any]
-"""(least, greatest), both whole numbers for whole numbers between them, both included; or a list to choose from."""
+"""(least, greatest), both included, or a list to choose from. Of what is counted, as ``actuator.chambers``, there are whole numbers between them."""
 
 
 def _by_key(space: Any) -> dict[str, Any]:
@@ -64,6 +65,8 @@ class _Sampled:
                     raise InputError(f"{key}: there is nothing to choose from")
             elif not (isinstance(entry, tuple) and len(entry) == 2 and _is_range(*entry)):
                 raise InputError(f"{key} = {entry!r} must be (least, greatest), or a list to choose from")
+            elif _native.is_count(key) and not all(isinstance(x, (int, np.integer)) for x in entry):
+                raise InputError(f"{key} = {entry!r} must be (least, greatest) of whole numbers, or a list to choose from")
 
     def _points(self, dimensions: int) -> Any:
         raise NotImplementedError
@@ -71,18 +74,18 @@ class _Sampled:
     def designs(self) -> list[Design]:
         """The designs, the same for the same seed."""
         points = self._points(len(self.ranges))
-        columns = [_scaled(entry, column) for entry, column in zip(self.ranges.values(), points.T, strict=True)]
+        columns = [_scaled(key, *pair) for key, *pair in zip(self.ranges, self.ranges.values(), points.T, strict=True)]
         return [dict(zip(self.ranges, row, strict=True)) for row in zip(*columns, strict=True)]
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.ranges!r}, count={self.count}, seed={self.seed})"
 
 
-def _scaled(entry: Range, column: Any) -> list[Any]:
+def _scaled(key: str, entry: Range, column: Any) -> list[Any]:
     if isinstance(entry, list):
         return [entry[min(int(x * len(entry)), len(entry) - 1)] for x in column]
     least, greatest = entry
-    if isinstance(least, (int, np.integer)) and isinstance(greatest, (int, np.integer)):
+    if _native.is_count(key):
         return [min(int(least + x * (greatest - least + 1)), int(greatest)) for x in column]
     return [float(least + x * (greatest - least)) for x in column]
 
@@ -93,7 +96,7 @@ class LatinHypercube(_Sampled):
     Parameters
     ----------
     ranges
-        By key ``(least, greatest)``, whole numbers if both are; or a list to choose from.
+        By key ``(least, greatest)``, or a list to choose from; whole numbers of what is counted, as ``actuator.chambers``.
     count
         Number of designs.
     seed
