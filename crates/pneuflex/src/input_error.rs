@@ -32,6 +32,8 @@ pub enum InputErrorKind {
     /// Any other.
     #[default]
     Other,
+    /// A key or a name that is not known.
+    Unknown,
     /// The body needs more memory than there is; it may be tried with [`crate::MemoryLimit::None`].
     TooLarge,
     /// More threads than the machine has a use for.
@@ -46,6 +48,13 @@ pub enum InputErrorKind {
     OtherResults,
     /// The folder holds another sweep.
     OtherSweep,
+}
+
+impl InputErrorKind {
+    /// Whether it is no fault of the input: another machine or folder, or this one at another time, may do.
+    pub fn is_of_machine(self) -> bool {
+        !matches!(self, Self::Other | Self::Unknown)
+    }
 }
 
 /// What a place is in.

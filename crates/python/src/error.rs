@@ -42,7 +42,7 @@ pub fn bad_input(py: Python<'_>, errors: &[InputError]) -> PyErr {
         .iter()
         .map(|error| {
             let file = error.file().map(|path| path.display().to_string());
-            let of_machine = error.kind() != InputErrorKind::Other;
+            let of_machine = error.kind().is_of_machine();
             (
                 error.in_full(help(error).as_deref()),
                 error.to_string(),
@@ -69,7 +69,9 @@ pub fn wrong(py: Python<'_>, message: impl Into<String>) -> PyErr {
 /// What to do about bad input, in terms of the package.
 fn help(error: &InputError) -> Option<String> {
     let help = match error.kind() {
-        InputErrorKind::Other | InputErrorKind::TooManyThreads => return error.help().map(str::to_owned),
+        InputErrorKind::Other | InputErrorKind::Unknown | InputErrorKind::TooManyThreads => {
+            return error.help().map(str::to_owned);
+        }
         InputErrorKind::TooLarge => {
             "choose a coarser mesh.resolution or a larger mesh.size, or force=True to try all the same"
         }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pneuflex::calibration::library::{ENTRIES, find};
-use pneuflex::input_error::{InputError, Origin, Place};
+use pneuflex::input_error::{InputError, InputErrorKind, Origin, Place};
 use pneuflex::{Change, Error, Study};
 use serde::{Deserialize, Serialize};
 
@@ -44,15 +44,11 @@ fn change((key, value): &(String, String)) -> Result<Change, InputError> {
         let text = change.to_string();
         let place = Place::new(&text, Origin::Change, text.as_str().into(), 0..key.len());
         let error = InputError::new(format!("no material \"{name}\" is known")).of_key("material").at(Some(place));
+        let error = error.of_kind(InputErrorKind::Unknown);
         return Err(error.with_help(Some("`pneuflex materials` lists all".into())));
     };
-    let [c10, c20, c30] = entry.constants;
-    // Six digits of what is chosen and not measured.
-    let bulk = entry.bulk_modulus();
-    let bulk: f64 = format!("{bulk:.5e}").parse().unwrap_or(bulk);
-    let fitted_to = entry.fit.map(|fit| format!(", fitted_to = {:?}", fit.to)).unwrap_or_default();
-    let constants = format!("c10 = {c10:?}, c20 = {c20:?}, c30 = {c30:?}, bulk_modulus = {bulk:?}");
-    Ok(Change::new(key, format!("{{ law = \"yeoh\", {constants}, invariant = \"isochoric\"{fitted_to} }}")))
+    let material = toml::Value::try_from(entry.material());
+    Ok(Change::new(key, material.map_err(|error| InputError::new(error.to_string()))?.to_string()))
 }
 
 #[cfg(test)]
@@ -63,7 +59,7 @@ mod tests {
     fn materials_have_names() {
         let named = |name: &str| change(&("material".to_owned(), format!("\"{name}\"")));
         let found = named("dragon-skin-30").unwrap();
-        assert!(found.value.contains("law = \"yeoh\", c10 = ") && found.value.contains("fitted_to"), "{found}");
+        assert!(found.value.contains("law = \"yeoh\"") && found.value.contains("fitted_to"), "{found}");
         assert!(named("dragon-skin-31").unwrap_err().to_string().contains("no material \"dragon-skin-31\""));
         let other = ("title".to_owned(), "\"dragon-skin-30\"".to_owned());
         assert_eq!(change(&other).unwrap().value, other.1);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pneuflex::report_page::write_report;
-use pneuflex::{Error, InputErrorKind, OutputFolder, Solution, Start, Study};
+use pneuflex::{Error, OutputFolder, Solution, Start, Study};
 use serde::{Deserialize, Serialize};
 
 use crate::base::{Base, Design};
@@ -121,8 +121,7 @@ fn failed(mut row: Row, error: Error, tip: &Tip) -> Row {
     row.message = error.to_string();
     match error {
         Error::Input(errors) => {
-            // Another machine, or this one at another time, may have room for it.
-            let is_of_machine = errors.iter().any(|error| error.kind() != InputErrorKind::Other);
+            let is_of_machine = errors.iter().any(|error| error.kind().is_of_machine());
             let (status, reason) = if is_of_machine { ("error", "machine") } else { ("bad-input", "bad-input") };
             (row.status, row.reason) = (status.into(), Some(reason.into()));
             row.message = errors.iter().map(|error| error.in_full(error.help())).collect::<Vec<_>>().join("\n");

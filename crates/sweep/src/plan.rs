@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex::{Error, InputError, MemoryLimit, Study};
+use pneuflex::{Error, InputError, InputErrorKind, MemoryLimit, Study};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -95,11 +95,7 @@ impl Plan {
 
 /// Whether a name is misspelt.
 fn is_slip(error: &Error) -> bool {
-    let is_unknown = |error: &InputError| {
-        let message = error.to_string();
-        message.contains("unknown key") || message.starts_with("no material")
-    };
-    matches!(error, Error::Input(errors) if errors.iter().any(is_unknown))
+    matches!(error, Error::Input(errors) if errors.iter().any(|error| error.kind() == InputErrorKind::Unknown))
 }
 
 /// What all designs have in common: values of keys, and a digest.

@@ -20,7 +20,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::input_error::{InputError, Origin, Place};
+use crate::input_error::{InputError, InputErrorKind, Origin, Place};
 use crate::store::Store;
 use repair::{Repair, Repairs};
 
@@ -356,7 +356,8 @@ fn describe(error: &toml::de::Error, sources: &Sources, keys: &[Key]) -> (InputE
             Some(meant) => Repair::Rename { path: path.into(), to: meant.into() },
             None => Repair::Remove(path.into()),
         };
-        let error = InputError::new(format!("unknown key `{path}`{known}")).of_key(path);
+        let error =
+            InputError::new(format!("unknown key `{path}`{known}")).of_kind(InputErrorKind::Unknown).of_key(path);
         return (error.at(place).with_help(meant.map(did_you_mean)), repair);
     }
     if let Some((_, rest)) = message.split_once("unknown variant `") {
