@@ -5,6 +5,7 @@ mod accuracy;
 mod bench;
 mod cases;
 mod corpus;
+mod coverage;
 mod fuzz;
 mod kills;
 mod program;
@@ -29,6 +30,8 @@ tasks:
   corpus    random designs, or with `--contact` random obstacles, by the real program: how many converge or end for a
             physical reason; fails below 98 %
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
+  coverage  how often 95 % intervals of fits cover the constants that simulated curves were made of; fails outside of 90 to 99 %
+            [--draws N]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
             [--draws N] [--seed S] [--docs]
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Some("bench") => bench::run(&arguments[1..]),
         Some("cases") if rest.is_empty() => cases::run(),
         Some("corpus") => corpus::run(&arguments[1..]),
+        Some("coverage") => coverage::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),
         Some("relations") => relations::run(&arguments[1..]),

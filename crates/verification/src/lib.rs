@@ -33,6 +33,7 @@ pub mod crushed;
 pub mod curved_contact;
 pub mod hertz;
 pub mod homogeneous;
+pub mod intervals;
 pub mod known_cases;
 pub mod manufactured;
 pub mod mutation;

@@ -14,5 +14,4 @@ mod choice;
 mod curves;
 mod fits;
 mod fuzz;
-mod intervals;
 mod traps;
