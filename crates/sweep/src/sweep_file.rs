@@ -343,3 +343,69 @@ impl<'de> Deserialize<'de> for Node {
         deserializer.deserialize_any(Any)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::sample::{Index, select};
+
+    use super::*;
+
+    const TEXT: &str = "case = \"case.toml\"\nfields = true\nsample = \"sobol\"\ndesigns = 8\nseed = 3\n\n[set]\n\"mesh.size\" = 3\n\
+        load.pressure_kpa = [1, 2]\n\n[space]\n\"actuator.gap\" = { from = 1.0, to = 2 }\n\
+        actuator.chambers = { from = 2, to = 4 }\nmaterial = [\"dragon-skin-30\", { law = \"gent\" }]\n\n[[design]]\n\"actuator.gap\" = 3\n";
+
+    /// What stands in the place of a piece of the text.
+    const ODD: [&str; 19] = [
+        "",
+        "0",
+        "-1",
+        "3.7",
+        "1e308",
+        "1e999",
+        "nan",
+        "inf",
+        "9223372036854775807",
+        "-9223372036854775808",
+        "true",
+        "[]",
+        "{}",
+        "\"\"",
+        "{ from = 1, to = 9223372036854775807 }",
+        "\n[space]\n",
+        "\n[[design]]\n",
+        "=",
+        "é",
+    ];
+
+    proptest! {
+        /// No text makes the reader of sweeps panic, hang, or fail without a word.
+        #[test]
+        fn damaged_texts_are_refused_or_are_designs(
+            changes in proptest::collection::vec((any::<Index>(), 0..12_usize, select(&ODD[..])), 1..5)
+        ) {
+            let mut text = TEXT.to_owned();
+            for (at, length, odd) in changes {
+                let from = (0..=at.index(text.len() + 1)).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
+                let to = (from + length..text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
+                text.replace_range(from.min(to)..to, odd);
+            }
+            match Written::<SweepFile>::from_text(Path::new("sweep.toml"), text.clone(), &[]) {
+                Ok(file) => {
+                    let designs = file.case.of_space();
+                    prop_assert!(designs.len() <= MOST_DESIGNS && designs.len() + file.case.design.len() > 0, "{text}");
+                }
+                Err(errors) => prop_assert!(errors.iter().all(|error| !error.to_string().is_empty()) && !errors.is_empty()),
+            }
+        }
+    }
+
+    /// Between 1 and 2 mm there are other gaps than these two, and between 2 and 4 chambers only 3.
+    #[test]
+    fn ranges_have_whole_numbers_of_what_is_counted() {
+        let file = Written::<SweepFile>::from_text(Path::new("sweep.toml"), TEXT.replace("1.0", "1"), &[]).unwrap();
+        let space = file.case.choices().unwrap();
+        assert_eq!(space[0].1, Choice::Between(1.0, 2.0));
+        assert_eq!(space[1].1, Choice::WholeBetween(2, 4));
+    }
+}
