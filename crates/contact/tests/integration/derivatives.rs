@@ -1,6 +1,6 @@
 //! Force and tangent of touching faces against finite differences of the energy, in a state that touches.
 
-use crate::support::total;
+use crate::support::{check_derivatives, total};
 use pneuflex_contact::{ContactModel, Partner};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
@@ -36,33 +36,7 @@ fn force_and_tangent_are_derivatives_of_the_energy() {
             let (mesh, pairs, positions) = touching(kind);
             let mut model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
             model.cut(&positions);
-            let here = total(&model, &positions);
-            let largest = here.gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            let stiffest = here.hessian.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
-            assert!(here.energy > 1e-3 && largest > 1e-2 && stiffest > 0.1, "nothing touches: {kind:?} {method:?}");
-            for dof in 0..3 * positions.len() {
-                let shifted = |by: f64| {
-                    let mut moved = positions.clone();
-                    moved[dof / 3][dof % 3] += by;
-                    total(&model, &moved)
-                };
-                let h = 1e-6;
-                let (low, high) = (shifted(-h), shifted(h));
-                let slope = (high.energy - low.energy) / (2.0 * h);
-                assert!(
-                    (slope - here.gradient[dof]).abs() < 1e-7 * largest.max(1.0),
-                    "{kind:?} {method:?} force {dof}"
-                );
-                for other in 0..3 * positions.len() {
-                    let slope = (high.gradient[other] - low.gradient[other]) / (2.0 * h);
-                    let exact = here.hessian[dof][other];
-                    assert!(
-                        (slope - exact).abs() < 1e-6 * stiffest,
-                        "{kind:?} {method:?} tangent {dof} {other}: {exact} against {slope}"
-                    );
-                    assert!((exact - here.hessian[other][dof]).abs() < 1e-12 * stiffest);
-                }
-            }
+            check_derivatives(&model, &positions, &format!("{kind:?} {method:?}"));
         }
     }
 }

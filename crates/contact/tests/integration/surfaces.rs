@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::support::total;
+use crate::support::{check_derivatives, total};
 use pneuflex_contact::{ContactBlock, ContactModel, Partner, brute_force};
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::{ElementKind, Mesh};
@@ -33,30 +33,6 @@ fn closed(mesh: &Mesh) -> Vec<[f64; 3]> {
         let down = if z >= 1.75 && x > 2.0 { 0.35 * (x - 2.0) + 0.03 * (2.1 * y + x).sin() } else { 0.0 };
         [x + 0.02 * y * z, y + 0.01 * x, z - down + 0.01 * x * y]
     })
-}
-
-#[track_caller]
-fn check_derivatives(model: &ContactModel, positions: &[[f64; 3]], what: &str) {
-    let here = total(model, positions);
-    let largest = here.gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    let stiffest = here.hessian.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
-    assert!(here.energy > 1e-3 && largest > 1e-2 && stiffest > 0.1, "nothing touches: {what}");
-    for dof in 0..3 * positions.len() {
-        let shifted = |by: f64| {
-            let mut moved = positions.to_vec();
-            moved[dof / 3][dof % 3] += by;
-            total(model, &moved)
-        };
-        let h = 1e-6;
-        let (low, high) = (shifted(-h), shifted(h));
-        let slope = (high.energy - low.energy) / (2.0 * h);
-        assert!((slope - here.gradient[dof]).abs() < 1e-7 * largest.max(1.0), "{what} force {dof}");
-        for other in 0..3 * positions.len() {
-            let slope = (high.gradient[other] - low.gradient[other]) / (2.0 * h);
-            let exact = here.hessian[dof][other];
-            assert!((slope - exact).abs() < 1e-6 * stiffest, "{what} {dof} {other}: {exact} against {slope}");
-        }
-    }
 }
 
 #[test]
