@@ -10,7 +10,9 @@ use crate::contact_block::{ContactBlock, ContactPoint, Partner};
 use crate::model::ContactModel;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, dot, face_geometry, project, sub, unit_normal};
 use crate::segments::{Sample, samples};
-use crate::self_contact::{BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts, covers};
+use crate::self_contact::{
+    BLOCKING_EXTENSION, NormalCone, SlavePoint, are_neighbours, blocks, counts, covers, is_across,
+};
 use crate::surface::Surface;
 use crate::surface_pair::SurfacePair;
 
@@ -121,9 +123,10 @@ impl<'a> Facing<'a> {
             let bounds = slave.bounding_box(face, self.positions);
             self.tree.overlapping(&self.boxes, &bounds, *reach, &mut near);
             candidates.clear();
-            candidates.extend(near.iter().copied().filter(|&m| self.is_candidate(face, m)));
             let nodes = slave.face_positions(face, self.positions);
             let nodes = &nodes[..kind.num_nodes()];
+            let counted = |m: usize| self.is_candidate(face, m) && !self.is_across(face, nodes, m);
+            candidates.extend(near.iter().copied().filter(|&m| counted(m)));
             let first = first_point + face * rule.len();
             let room = |i: usize| {
                 if averaging.is_some() { 0.0 } else { model.shift(i, *stiffness) + kept_at(self.kept, i) }
@@ -201,6 +204,16 @@ impl<'a> Facing<'a> {
         let Some([slaves, masters]) = &self.cones else { return true };
         !slaves[slave_face].never_opposes(&masters[master_face])
             && self.surface_pair.slave.face(slave_face) != self.surface_pair.master.face(master_face)
+    }
+
+    /// Whether a master face lies on the other side of a wall from a slave face with all of its points.
+    fn is_across(&self, slave_face: usize, slave: &[[f64; 3]], master_face: usize) -> bool {
+        let (Some([_, masters]), Some([slaves_at_rest, masters_at_rest])) = (&self.cones, &self.surface_pair.at_rest)
+        else {
+            return false;
+        };
+        let depth = self.slabs[master_face].depth(self.surface_pair.slave.kind, slave);
+        masters[master_face].is_narrow() && is_across(&slaves_at_rest[slave_face], &masters_at_rest[master_face], depth)
     }
 
     fn are_neighbours(&self, slave_face: usize, master_face: usize) -> bool {
@@ -285,12 +298,14 @@ impl<'a> Facing<'a> {
     }
 }
 
-/// The half-space in front of a master face.
+/// The half-spaces in front of and behind a master face.
 struct Slab {
     /// Unit normal at the face's centre.
     normal: [f64; 3],
     /// No point of the face, continued a little, lies further than this along the normal, mm.
     front: f64,
+    /// Nor less far than this, mm.
+    back: f64,
 }
 
 impl Slab {
@@ -299,13 +314,20 @@ impl Slab {
         let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
         let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
         let [low, high] = extent(nodes, normal);
-        Self { normal, front: high + (kind.bulge + 2.0 * EXTENSION) * (high - low) }
+        let room = (kind.bulge + 2.0 * EXTENSION) * (high - low);
+        Self { normal, front: high + room, back: low - room }
     }
 
     /// Whether a slave face lies wholly in front, further away than `margin`: then no distance to this face is below it.
     fn is_clear(&self, kind: FaceKind, slave: &[[f64; 3]], margin: f64) -> bool {
         let [low, high] = extent(slave, self.normal);
         low - kind.bulge * (high - low) > self.front + margin
+    }
+
+    /// How far behind the whole of a slave face lies at least, mm; negative if a part of it does not.
+    fn depth(&self, kind: FaceKind, slave: &[[f64; 3]]) -> f64 {
+        let [low, high] = extent(slave, self.normal);
+        self.back - (high + kind.bulge * (high - low))
     }
 }
 

@@ -27,6 +27,7 @@ use std::collections::BTreeSet;
 
 use pneuflex_mesh::shape;
 
+use crate::broad_phase::Bounds;
 use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, cross, dot, face_geometry, sub, unit_normal};
 use crate::surface::Surface;
 
@@ -64,6 +65,16 @@ impl NormalCone {
         let axis = at(kind.centre());
         let half_angle = kind.corners().iter().map(|&xi| angle(axis, at(xi))).fold(0.0, f64::max);
         Self { axis, half_angle: CONE_FACTOR * half_angle + CONE_ROOM }
+    }
+
+    /// Whether all normals are within 60 degrees of the one at the centre.
+    pub fn is_narrow(&self) -> bool {
+        self.half_angle < std::f64::consts::FRAC_PI_3
+    }
+
+    /// Whether a way along the axis of at least `along` against all normals, and `longest` as a whole at the most, goes against each of them.
+    fn is_against(&self, along: f64, longest: f64) -> bool {
+        along * self.half_angle.cos() > longest * (self.half_angle.sin() + ALONG)
     }
 
     /// Whether no normal of one face opposes one of the other.
@@ -110,6 +121,36 @@ pub fn counts(point: &SlavePoint, foot: &Projection, foot_at_rest: [f64; 3], is_
     let least_slope = if is_neighbour { ALONG } else { -ALONG };
     let is_bound = dot(way, point.normal_at_rest) < least_slope * length;
     dot(point.normal, foot.normal) < OPPOSED && !(is_bound && foot.distance < -DEPTH_SHARE * length)
+}
+
+/// A face at rest, for [`is_across`]: of a slave as it is, of a master with its continuation.
+#[derive(Clone, Debug)]
+pub struct FaceAtRest {
+    cone: NormalCone,
+    bounds: Bounds,
+}
+
+impl FaceAtRest {
+    /// A face at its positions at rest, continued beyond its edges by `extension` of its reference coordinates.
+    pub fn of(surface: &Surface, face: usize, rest: &[[f64; 3]], extension: f64) -> Self {
+        let [low, high] = surface.bounding_box(face, rest);
+        let room: [f64; 3] = std::array::from_fn(|d| (surface.kind.bulge + 2.0 * extension) * (high[d] - low[d]));
+        let bounds = [std::array::from_fn(|d| low[d] - room[d]), std::array::from_fn(|d| high[d] + room[d])];
+        Self { cone: NormalCone::of(surface, face, rest), bounds }
+    }
+}
+
+/// Whether the third rule excludes every foot on a master face of every point of a slave face that lies behind it by at least `depth`, mm: as
+/// the other side of a wall does, which is near all the time.
+///
+/// The ways at rest are those between the two boxes. All of them start into the body, and none is as long as the depth allows.
+pub fn is_across(slave: &FaceAtRest, master: &FaceAtRest, depth: f64) -> bool {
+    let [low, high] =
+        [0, 1].map(|end| std::array::from_fn::<f64, 3, _>(|d| master.bounds[end][d] - slave.bounds[1 - end][d]));
+    let longest: f64 = (0..3).map(|d| low[d].abs().max(high[d].abs()).powi(2)).sum::<f64>().sqrt();
+    // The least way against the axis between any two points of the boxes.
+    let along: f64 = (0..3).map(|d| (-slave.cone.axis[d] * low[d]).min(-slave.cone.axis[d] * high[d])).sum();
+    depth > DEPTH_SHARE * longest && slave.cone.is_against(along, longest)
 }
 
 /// Whether a foot beside the edge of another face shows that a point is in front of this one's face, and not in the wedge behind the edge.

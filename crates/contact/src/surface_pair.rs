@@ -4,9 +4,9 @@ use pneuflex_mesh::{Facet, Mesh, shape};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, LoadParameter};
 
 use crate::averaging::Averaging;
-use crate::projection::{dot, face_geometry, sub, unit_normal};
+use crate::projection::{EXTENSION, dot, face_geometry, sub, unit_normal};
 use crate::segments::{Sample, samples};
-use crate::self_contact::share_nodes;
+use crate::self_contact::{FaceAtRest, share_nodes};
 use crate::surface::Surface;
 
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest, and at least this share of a
@@ -47,6 +47,8 @@ pub struct SurfacePair {
     pub(crate) rule: Vec<([f64; 2], f64)>,
     /// The surfaces belong together, see [`crate::self_contact`].
     pub(crate) is_self_contact: bool,
+    /// Of self-contact: the faces of slave and master at rest.
+    pub(crate) at_rest: Option<[Vec<FaceAtRest>; 2]>,
     /// Smallest distance at rest from the slave's first corner, mm; 0 of a surface from itself.
     pub rest_distance: f64,
     /// Points deeper than this behind a face are not found, mm; see [`SurfacePair::all_of`].
@@ -82,6 +84,10 @@ impl SurfacePair {
             let averaging = (method == ContactMethod::Mortar).then(|| Averaging::of(&slave, &mesh.nodes, share));
             let samples = averaging.as_ref().map_or_else(Vec::new, |_| uncut(&slave, &mesh.nodes, share));
             let is_self_contact = method != ContactMethod::SinglePoint && share_nodes(&slave, &master);
+            let faces_at_rest = |surface: &Surface, room: f64| {
+                (0..surface.num_faces()).map(|face| FaceAtRest::of(surface, face, &mesh.nodes, room)).collect()
+            };
+            let at_rest = is_self_contact.then(|| [faces_at_rest(&slave, 0.0), faces_at_rest(&master, EXTENSION)]);
             let rest_distance = if is_self_contact { 0.0 } else { rest_distance(&slave, &master, &mesh.nodes) };
             let (face_size, extent) = sizes(&master, &mesh.nodes);
             let reach = rest_distance.min(0.5 * extent).max(face_size);
@@ -102,6 +108,7 @@ impl SurfacePair {
                 interference_until: pair.interference_until,
                 rule,
                 is_self_contact,
+                at_rest,
                 rest_distance,
                 reach,
                 near,
