@@ -12,9 +12,9 @@
 //! ```
 //!
 //! Sets of the generated mesh: node sets `clamp` (x = 0), `symmetry` (y = 0, half models only), `bottom_centreline`
-//! (y = z = 0), `end_face` (x = L, z ≤ base); facet sets `cavity` (all faces that feel the air), `gap_i_left` and
-//! `gap_i_right` (the wall of chamber i and of chamber i + 1 that face each other, i from 1), `bottom` (z = 0),
-//! `end_face` and `clamp`, and `outer`: all faces that look out of the body, those of the gaps included, but not the clamped one.
+//! (y = z = 0), `end_face` (x = L, z ≤ base); facet sets `cavity` (all faces that feel the air), `cavity_i` (those of
+//! chamber i, from 1, where no channel joins the cavities), `gap_i_left` and `gap_i_right` (the wall of chamber i and of
+//! chamber i + 1 that face each other, i from 1, unless the gap is 0), `bottom` (z = 0), `end_face` and `clamp`, and `outer`: all faces that look out of the body, those of the gaps included, but not the clamped one.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ pub struct Actuator {
     pub chamber_length: f64,
     /// Length of one cavity \[t3\].
     pub cavity_length: f64,
-    /// Gap between neighbouring chambers \[t1\].
+    /// Gap between neighbouring chambers \[t1\]; 0 for a solid block with cavities, whose neighbours share a wall.
     pub gap: f64,
     /// Length of the flange at either end; 0 for none.
     pub flange: f64,
@@ -162,7 +162,8 @@ impl Plane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Region {
     Solid,
-    Air,
+    /// Inside of a chamber, or of the channel below it.
+    Air(usize),
     Gap(usize),
     Outside,
 }
@@ -241,7 +242,6 @@ impl Actuator {
         let limit = |value: f64| if value.is_nan() { NO_LIMIT } else { value };
         let chamber_length = length("chamber_length", self.chamber_length, NO_LIMIT);
         length("cavity_length", self.cavity_length, limit(chamber_length));
-        length("gap", self.gap, NO_LIMIT);
         let width = length("width", self.width, NO_LIMIT);
         let height = length("height", self.height, NO_LIMIT);
         let base = length("base", self.base, limit(height));
@@ -250,15 +250,26 @@ impl Actuator {
         if let Some(floor) = self.cavity_floor {
             length("cavity_floor", floor, limit(height - top_wall));
         }
-        if self.channel.half_width > 0.0 {
+        if self.has_channel() {
             let bottom = length("channel.bottom", self.channel.bottom, limit(base));
             let lowest = if bottom.is_nan() { 0.0 } else { bottom };
             found.extend(out_of_range("channel.top", self.channel.top, lowest, limit(base), true));
         }
+        found.extend(out_of_range("gap", self.gap, 0.0, NO_LIMIT, false));
         found.extend(out_of_range("flange", self.flange, 0.0, NO_LIMIT, false));
         let half_inside = limit(0.5 * width - side_wall);
         found.extend(out_of_range("channel.half_width", self.channel.half_width, 0.0, half_inside, false));
         found
+    }
+
+    /// Whether the cavities are one, joined by the channel.
+    pub fn has_channel(&self) -> bool {
+        self.channel.half_width > 0.0
+    }
+
+    /// Number of gaps, whose walls may touch.
+    pub fn gaps(&self) -> usize {
+        if self.gap > 0.0 { self.chambers.saturating_sub(1) } else { 0 }
     }
 
     /// Start of chamber `i` (from 0) along x.
@@ -274,29 +285,35 @@ impl Actuator {
             let (start, end) = (self.chamber_start(i), self.chamber_start(i) + self.chamber_length);
             // A chamber's outer faces meet the base in an edge, but not where the body itself ends.
             let outer = |at: f64| if at > 0.0 && at < self.length() { Plane::edge(at) } else { Plane::outside(at) };
-            x.push(outer(start));
+            // Chambers without a gap share one wall, in the middle of which nothing ends.
+            let shares_wall = |neighbour: bool| neighbour && self.gap == 0.0;
+            if !shares_wall(i > 0) {
+                x.push(outer(start));
+            }
             x.push(Plane::edge(start + wall).closing_wall());
             x.push(Plane::edge(start + wall + self.cavity_length));
-            x.push(outer(end).closing_wall());
+            if !shares_wall(i + 1 < self.chambers) {
+                x.push(outer(end).closing_wall());
+            }
         }
         x.push(Plane::outside(self.length()));
 
         let half = 0.5 * self.width;
         let mut y = vec![Plane::edge(half - self.side_wall), Plane::outside(half).closing_wall()];
-        if self.channel.half_width > 0.0 {
+        if self.has_channel() {
             y.insert(0, Plane::edge(self.channel.half_width));
         }
         if self.part == Part::Whole {
             // The plane that closes a wall is the outer one on this side, the inner one on the other.
             let mirrored = [Plane::outside(-half), Plane::edge(self.side_wall - half).closing_wall()];
-            let channel = (self.channel.half_width > 0.0).then_some(Plane::edge(-self.channel.half_width));
+            let channel = self.has_channel().then_some(Plane::edge(-self.channel.half_width));
             y.splice(0..0, mirrored.into_iter().chain(channel).chain([Plane::outside(0.0)]));
         } else {
             y.insert(0, Plane::outside(0.0));
         }
 
         let mut z = vec![Plane::outside(0.0), Plane::edge(self.base), Plane::edge(self.floor())];
-        if self.channel.half_width > 0.0 {
+        if self.has_channel() {
             z.extend([Plane::edge(self.channel.bottom), Plane::edge(self.channel.top)]);
         }
         z.extend([Plane::edge(self.height - self.top_wall), Plane::outside(self.height).closing_wall()]);
@@ -315,7 +332,8 @@ impl Actuator {
         let index = ((x - self.flange) / pitch).floor();
         let in_row = index >= 0.0 && index < self.chambers as f64;
         let offset = x - self.flange - index * pitch;
-        let in_chamber = in_row && offset < self.chamber_length;
+        // Without gaps rounding must not leave anything between the chambers.
+        let in_chamber = in_row && (self.gap == 0.0 || offset < self.chamber_length);
         let wall = self.end_wall();
         let along_cavity = in_chamber && offset > wall && offset < wall + self.cavity_length;
         let inner_width = y.abs() < 0.5 * self.width - self.side_wall;
@@ -324,12 +342,12 @@ impl Actuator {
         let last = self.length() - first;
 
         if along_cavity && inner_width && z > self.floor() && z < self.height - self.top_wall {
-            return Region::Air;
+            return Region::Air(index as usize);
         }
         if channel_width && x > first && x < last && z > self.channel.bottom {
             let roof = if along_cavity { self.floor().max(self.channel.top) } else { self.channel.top };
             if z < roof {
-                return Region::Air;
+                return Region::Air(index as usize);
             }
         }
         if z < self.base || in_chamber {
@@ -436,7 +454,7 @@ pub fn build_actuator_with(
     let last = lattice.num_cells()[0] - 1;
     for BoundaryFacet { facet, cell, side, neighbour } in built.boundary() {
         let is_outer = match (neighbour, side) {
-            (Neighbour::Void(void), _) => actuator.region(lattice.centre(void)) != Region::Air,
+            (Neighbour::Void(void), _) => !matches!(actuator.region(lattice.centre(void)), Region::Air(_)),
             (Neighbour::Outside, 0) => false,
             // The plane of symmetry.
             (Neighbour::Outside, 2) => actuator.part == Part::Whole,
@@ -447,7 +465,12 @@ pub fn build_actuator_with(
         }
         let name = match (neighbour, side) {
             (Neighbour::Void(void), side) => match actuator.region(lattice.centre(void)) {
-                Region::Air => "cavity".into(),
+                Region::Air(chamber) => {
+                    if !actuator.has_channel() {
+                        facet_sets.entry(format!("cavity_{}", chamber + 1)).or_default().push(facet);
+                    }
+                    "cavity".into()
+                }
                 // The wall at the gap's low end looks along +x and belongs to the left chamber.
                 Region::Gap(i) if side == 1 => format!("gap_{}_left", i + 1),
                 Region::Gap(i) if side == 0 => format!("gap_{}_right", i + 1),
@@ -600,6 +623,75 @@ mod tests {
                 assert!((enclosed - air - mesh.volume()).abs() < 1e-8, "{kind:?}: {enclosed} {air}");
             }
         }
+    }
+
+    /// Without a channel every chamber has air of its own.
+    #[test]
+    fn cavities_that_nothing_joins_are_surfaces_of_their_own() {
+        let joined = build_actuator(&Actuator::full(), &size(2.0), ElementKind::Hex8).unwrap();
+        assert!(joined.facet_sets.keys().all(|name| !name.starts_with("cavity_")));
+        for part in [Part::Half, Part::Whole] {
+            let mut actuator = Actuator { chambers: 3, part, ..Actuator::full() };
+            actuator.channel.half_width = 0.0;
+            let sides = if part == Part::Half { 1.0 } else { 2.0 };
+            for kind in ElementKind::ALL {
+                let mesh = build_actuator(&actuator, &size(2.0), kind).unwrap();
+                let mut all: Vec<Facet> = Vec::new();
+                for i in 1..=3 {
+                    let name = format!("cavity_{i}");
+                    assert!((signed_volume(&mesh, &name) + sides * 6.0 * 9.0 * 8.0).abs() < 1e-9, "{kind:?} {name}");
+                    all.extend(mesh.facet_set(&name));
+                }
+                all.sort_unstable();
+                assert_eq!(all, mesh.facet_set("cavity"), "{kind:?}");
+                assert!(mesh.facet_set("cavity_4").is_empty());
+            }
+        }
+    }
+
+    /// A solid block with cavities: its volume in closed form, and no walls that could touch.
+    #[test]
+    fn chambers_without_gaps_are_a_block_with_cavities() {
+        for kind in ElementKind::ALL {
+            for half_width in [0.0, 1.0] {
+                for h in [0.7, 2.0, 4.5] {
+                    for edge in [0.9, f64::INFINITY] {
+                        let mut block = Actuator { chambers: 3, gap: 0.0, flange: 0.3, ..Actuator::two_chambers() };
+                        block.channel.half_width = half_width;
+                        let size = MeshSize { edge, ..MeshSize::uniform(h) };
+                        // Coarse meshes only of what has many nodes.
+                        if h < 1.0 && kind != ElementKind::Hex8 {
+                            continue;
+                        }
+                        let mesh = build_actuator(&block, &size, kind).unwrap();
+                        // A block of 24 mm and flanges in the base, less three cavities and the channel between the outer end walls: 22 mm of
+                        // 1 mm², and 1 mm² more below each cavity's floor.
+                        let air = 3.0 * 6.0 * 9.0 * 8.0 + if half_width > 0.0 { 22.0 + 3.0 * 6.0 } else { 0.0 };
+                        let solid = 24.0 * 10.0 * 13.0 + 2.0 * 0.3 * 10.0 * 4.0 - air;
+                        assert!((mesh.volume() - solid).abs() < 1e-8, "{kind:?} {h} {edge}: {} {solid}", mesh.volume());
+                        assert!((signed_volume(&mesh, "cavity") + air).abs() < 1e-8, "{kind:?} {h}");
+                        assert!(mesh.facet_sets.keys().all(|name| !name.starts_with("gap_")));
+                        let enclosed = signed_volume(&mesh, "outer");
+                        assert!((enclosed - air - solid).abs() < 1e-8, "{kind:?}: {enclosed}");
+                        if kind == ElementKind::Hex8 {
+                            assert_eq!(mesh.num_elements() as f64, block.estimate_cells(&size, &Cuts::default()));
+                        }
+                    }
+                }
+            }
+        }
+        assert_eq!((Actuator { gap: 0.0, ..Actuator::full() }.gaps(), Actuator::full().gaps()), (0, 7));
+    }
+
+    /// The wall that two chambers share is one wall: as many elements as were asked for, and none that only half of it gets.
+    #[test]
+    fn a_shared_wall_is_one_wall() {
+        let block = Actuator { gap: 0.0, ..Actuator::two_chambers() };
+        let mesh = build_actuator(&block, &MeshSize { wall_elements: 3, ..size(6.0) }, ElementKind::Hex8).unwrap();
+        let mut lines: Vec<f64> = mesh.nodes.iter().map(|x| x[0]).filter(|x| (6.9..9.1).contains(x)).collect();
+        lines.sort_by(f64::total_cmp);
+        lines.dedup();
+        assert_eq!(lines.len(), 4, "{lines:?}");
     }
 
     #[test]

@@ -263,7 +263,13 @@ impl Problem {
         let mut contact_pairs: Vec<ContactPair> = (1..chambers)
             .map(|i| {
                 let [left, right] = ["left", "right"].map(|side| mesh.facet_set(&format!("gap_{i}_{side}")).to_vec());
-                ContactPair { is_two_pass: contact.two_pass, ..ContactPair::new(format!("gap_{i}"), left, right) }
+                (i, left, right)
+            })
+            // Chambers without a gap share a wall.
+            .filter(|(_, left, right)| !(left.is_empty() && right.is_empty()))
+            .map(|(i, left, right)| ContactPair {
+                is_two_pass: contact.two_pass,
+                ..ContactPair::new(format!("gap_{i}"), left, right)
             })
             .collect();
         if contact.self_contact {

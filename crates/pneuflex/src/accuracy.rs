@@ -94,6 +94,8 @@ pub enum Parameter {
     Base,
     /// The base above and below the channel over the thinnest wall.
     Channel,
+    /// Gaps between the chambers.
+    Gap,
     /// Bending beside the stretch that the air gives.
     WeakBending,
     /// Angle per chamber.
@@ -109,6 +111,7 @@ impl Parameter {
             Self::Walls => "walls",
             Self::Base => "base",
             Self::Channel => "channel",
+            Self::Gap => "gap",
             Self::WeakBending => "weak bending",
             Self::StrongBending => "strong bending",
         }
@@ -195,6 +198,9 @@ pub fn expected(problem: &Problem, actuator: &Actuator, mesh: &MeshOptions, step
             range::CHANNEL
         );
         add(Parameter::Channel, None, what);
+    }
+    if actuator.chambers > 1 && actuator.gap == 0.0 {
+        add(Parameter::Gap, None, "chambers without a gap between them were not measured".into());
     }
     let is_air_alone = problem.loads.is_empty()
         && problem.obstacles.is_empty()
@@ -299,5 +305,7 @@ mod tests {
         assert_eq!(outside(&[("actuator.channel.bottom", "0.2")]), [Parameter::Channel]);
         assert_eq!(outside(&[("actuator.channel.top", "3.8")]), [Parameter::Channel]);
         assert_eq!(outside(&[("actuator.channel.top", "3.8"), ("actuator.channel.half_width", "0.0")]), []);
+        assert_eq!(outside(&[("actuator.gap", "0.0")]), [Parameter::Gap]);
+        assert_eq!(outside(&[("actuator.gap", "0.0"), ("actuator.chambers", "1")]), []);
     }
 }

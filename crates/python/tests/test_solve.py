@@ -86,7 +86,7 @@ def test_keys_are_set_together_or_not_at_all(small: Case) -> None:
         small.set({"actuator.width": 30, "actuator.gpa": 1})
     assert small["actuator.width"] == 20
     assert isinstance(unknown.value, ValueError) and unknown.value.problems[0].key == "actuator.gpa"
-    with pytest.raises(InputError, match=r"actuator.gap = -1 is out of range: must be greater than 0 mm"):
+    with pytest.raises(InputError, match=r"actuator.gap = -1 is out of range: must be at least 0 mm"):
         small.set({"actuator.gap": -1})
     with pytest.raises(InputError, match="did you mean dragon-skin-10,"):
         small.set({"material": "dragonskin"})

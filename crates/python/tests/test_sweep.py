@@ -88,7 +88,7 @@ def test_slips_are_said_before_anything_is_solved(tmp_path: Path) -> None:
     out = tmp_path / "sweep"
     for space, match in [
         ({"actuator.gpa": [1, 2]}, "did you mean `gap`"),
-        ({"actuator.gap": [-1, -2]}, "greater than 0 mm"),
+        ({"actuator.gap": [-1, -2]}, "at least 0 mm"),
         ([], "no designs"),
         (3, "is no space of designs"),
     ]:

@@ -232,7 +232,7 @@ fn probes_are_named_by_their_number() {
 #[test]
 fn changes_on_the_command_line() {
     let same = |text: String| text;
-    refused("set-range", same, &["actuator.gap=-1"], &["--set actuator.gap=-1: actuator.gap = -1", "greater than 0"]);
+    refused("set-range", same, &["actuator.gap=-1"], &["--set actuator.gap=-1: actuator.gap = -1", "at least 0"]);
     refused(
         "set-key",
         same,

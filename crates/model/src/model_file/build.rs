@@ -1,6 +1,6 @@
 //! From a model file and its body to a problem.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use pneuflex_mesh::{Actuator, Facet, Mesh};
 
@@ -258,6 +258,13 @@ impl Build<'_> {
             Some((_, facets)) => facets.clone(),
             None => {
                 let sets = mesh.facet_sets.keys().cloned().collect();
+                let is_joined = self.actuator.is_some_and(Actuator::has_channel);
+                if is_joined && name.strip_prefix("cavity_").is_some_and(|number| number.parse::<usize>().is_ok()) {
+                    let why = "the channel joins the cavities, and its air has one pressure: set \
+                               actuator.channel.half_width = 0 for chambers with air of their own, or use cavity";
+                    self.complain(key, format!("{name:?}"), why.into());
+                    return Vec::new();
+                }
                 self.unknown(key, name, "a surface", sets)
             }
         }
@@ -375,7 +382,14 @@ impl Build<'_> {
     }
 
     fn cavity(&mut self, number: usize, table: &CavityTable) {
-        let facets = self.facets(&format!("cavity[{number}].faces"), &table.faces);
+        let key = format!("cavity[{number}].faces");
+        let facets = self.facets(&key, &table.faces);
+        let known: BTreeSet<Facet> = facets.iter().copied().collect();
+        let other = self.problem.cavities.iter().find(|other| other.facets.iter().any(|facet| known.contains(facet)));
+        if let Some(name) = other.map(|other| other.name.clone()) {
+            let why = format!("the cavity {name:?} has some of these faces already: they would feel the air of both");
+            self.complain(&key, format!("{:?}", table.faces), why);
+        }
         let control = match (&table.pressure_kpa, &table.volume_mm3, &table.gas) {
             (Some(pressure), _, _) => Control::Pressure(self.curve(pressure, MPA_PER_KPA)),
             (_, Some(volume), _) => Control::Volume(self.curve(volume, 1.0)),

@@ -10,6 +10,11 @@ pub enum CellError {
     /// Its lengths make no body.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// Its neighbours share a wall.
+    #[error(
+        "actuator.gap = 0: a rod is identified from chambers that only the base joins, and these share a wall; give a gap"
+    )]
+    NoGap,
     /// Its equations cannot be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),

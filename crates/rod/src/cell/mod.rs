@@ -67,8 +67,11 @@ pub fn cell_of(actuator: &Actuator) -> Actuator {
 /// Takes the samples from the case's actuator.
 ///
 /// # Errors
-/// Lengths that make no body, or a state that is not reached.
+/// Lengths that make no body, chambers without a gap, or a state that is not reached.
 pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, CellError> {
+    if case.actuator.gap == 0.0 {
+        return Err(CellError::NoGap);
+    }
     let cell = cell_of(&case.actuator);
     let problem = Problem::from_actuator(
         &cell,

@@ -171,7 +171,7 @@ fn actuator(dice: &mut Dice) -> Actuator {
         chambers,
         chamber_length: cavity_length + dice.between(1.5, 3.0),
         cavity_length,
-        gap: dice.between(0.5, 2.5),
+        gap: if dice.chance(0.15) { 0.0 } else { dice.between(0.5, 2.5) },
         flange: dice.one_of(&[0.0, 2.0]),
         width: dice.between(12.0, 20.0),
         height: dice.between(9.0, 13.0),
@@ -373,7 +373,20 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
     let count = dice.one_of(&[0, 0, 1]);
     let mesh = mesh_options(dice, scale);
     let target = Target::new(extent, edge(&mesh));
-    let chambers = actuator.chambers;
+    let gaps = actuator.gaps();
+    // Without a channel every chamber may have air of its own.
+    let has_own_air = !actuator.has_channel() && dice.chance(0.6);
+    let cavities = match (has_air, has_own_air) {
+        (false, _) => Vec::new(),
+        (true, false) => vec![cavity(dice, "cavity", stiffness, 0.3 * solid.0 * solid.1, end)],
+        (true, true) => (1..=actuator.chambers)
+            .map(|i| {
+                let volume = 0.3 * solid.0 * solid.1 / actuator.chambers as f64;
+                let table = cavity(dice, &format!("cavity_{i}"), stiffness, volume, end);
+                CavityTable { name: format!("chamber {i}"), ..table }
+            })
+            .collect(),
+    };
     let mut model = Model {
         title: title(dice),
         model: None,
@@ -389,11 +402,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
             .collect(),
         supports: Vec::new(),
         equations: Vec::new(),
-        cavities: if has_air {
-            vec![cavity(dice, "cavity", stiffness, 0.3 * solid.0 * solid.1, end)]
-        } else {
-            Vec::new()
-        },
+        cavities,
         // Less than what buckles it: beyond, an actuator that is pushed along its axis has an equilibrium to either side, and rounding chooses.
         forces: forces(dice, "end_face", 0.1 * stiffness * solid.1, end),
         tractions: tractions(dice, "end_face", stiffness, end),
@@ -414,7 +423,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         actuator: Some(actuator),
     };
     // How stiffly the walls of the first gap are kept apart.
-    if chambers > 1 {
+    if gaps > 0 {
         model.contacts = dice.maybe(0.3, |dice| contact_table(dice, "gap_1_left", "gap_1_right")).into_iter().collect();
     }
     model

@@ -212,7 +212,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     if !problem.symmetry.is_empty() {
         supports.push(support("symmetry", "y", true));
     }
-    let gaps = actuator.actuator.as_ref()?.chambers.saturating_sub(1);
+    let gaps = actuator.actuator.as_ref()?.gaps();
     // A table of a gap says of it what there is to say.
     let gap = |i: usize| ContactTable {
         slave: format!("gap_{i}_left"),
