@@ -163,3 +163,32 @@ pub fn covers(foot: &Projection, reach: f64) -> bool {
 pub fn blocks(normal: [f64; 3], foot: &Projection, depth: f64) -> bool {
     foot.excess <= BLOCKING_EXTENSION && dot(normal, foot.normal) > 0.0 && foot.distance > 0.0 && foot.distance < depth
 }
+
+#[cfg(test)]
+mod tests {
+    use pneuflex_mesh::ElementKind;
+    use pneuflex_mesh::lattice::Lattice;
+
+    use super::*;
+    use crate::projection::EXTENSION;
+
+    /// Two plates, 1 mm thick, over each other with 1 mm between them.
+    #[test]
+    fn what_lies_across_a_wall_is_told_from_what_lies_across_a_slit() {
+        for kind in ElementKind::ALL {
+            let mut lattice = Lattice::uniform([0.0; 3], [2.0, 2.0, 3.0], [1, 1, 3]);
+            lattice.lines[2] = vec![0.0, 1.0, 2.0, 3.0];
+            let mesh = lattice.mesh(kind, |cell| cell[2] != 1).mesh;
+            let face = |axis: usize, at: f64, room: f64| {
+                let surface = Surface::new(&mesh, &mesh.select_facets(|x| (x[axis] - at).abs() < 1e-9));
+                FaceAtRest::of(&surface, 0, &mesh.nodes, room)
+            };
+            let top = face(2, 1.0, 0.0);
+            assert!(is_across(&top, &face(2, 0.0, EXTENSION), 1.0), "{kind:?}: the other side of the wall");
+            assert!(!is_across(&top, &face(2, 0.0, EXTENSION), 0.05), "{kind:?}: a wall thinned to a twentieth");
+            assert!(!is_across(&top, &face(2, 2.0, EXTENSION), 1.0), "{kind:?}: the other side of the slit");
+            assert!(!is_across(&top, &face(2, 3.0, EXTENSION), 1.0), "{kind:?}: out of the body and through the next");
+            assert!(!is_across(&top, &face(0, 2.0, EXTENSION), 1.0), "{kind:?}: beside an edge");
+        }
+    }
+}

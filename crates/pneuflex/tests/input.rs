@@ -105,6 +105,20 @@ fn an_imported_body_is_not_meshed() {
     assert_refused(&model("").replace("resolution = \"draft\"", "size = 0.0"), "mesh.size", "greater than 0");
 }
 
+/// Faces feel one air, and chambers have air of their own only where nothing joins them.
+#[test]
+fn cavities_do_not_overlap() {
+    let cavity =
+        |name: &str, faces: &str| format!("[[cavity]]\nname = \"{name}\"\nfaces = \"{faces}\"\npressure_kpa = 1\n");
+    assert_refused(&model(&cavity("first", "cavity_1")), "cavity[0].faces", "the channel joins the cavities");
+    let apart = |rest: &str| model(rest).replace("half_width = 1.0", "half_width = 0.0");
+    assert_refused(&apart(&cavity("fifth", "cavity_5")), "cavity[0].faces", "cavity_4");
+    let both = cavity("all", "cavity") + &cavity("first", "cavity_1");
+    assert_refused(&apart(&both), "cavity[1].faces", "the air of both");
+    let each = cavity("first", "cavity_1") + &cavity("second", "cavity_2");
+    assert!(Study::from_text("model.toml", &apart(&each)).unwrap().build().is_ok());
+}
+
 #[test]
 fn nothing_hides_another_of_its_name() {
     let two = |table: &str| format!("{table}{table}");

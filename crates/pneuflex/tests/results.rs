@@ -32,6 +32,30 @@ const CASE: &str = "[load]\npressure_kpa = [30]\n";
 const MODEL: &str = "[load]\ntimes = [30]\n[[cavity]]\nname = \"air\"\nfaces = \"cavity\"\npressure_kpa = 30\n\
                      [solver]\nfirst_step = 5.0\nmax_step = 20.0\n";
 
+/// Chambers that no channel joins: what they do with air of their own is what they do with one air if the pressures are equal, and less if one has
+/// none; so do those that share a wall.
+#[test]
+fn chambers_without_a_channel_have_air_of_their_own() {
+    for gap in ["2.0", "0.0"] {
+        let text = BODY.replace("half_width = 1.0", "half_width = 0.0").replace("gap = 2.0", &format!("gap = {gap}"));
+        let text = text.replace("PART", "half").split("[[obstacle]]").next().unwrap().to_owned();
+        let angle_and_volumes = |cavities: &[(&str, f64)]| {
+            let each = cavities.iter().map(|(faces, pressure)| {
+                format!("[[cavity]]\nname = \"{faces}\"\nfaces = \"{faces}\"\npressure_kpa = {pressure}\n")
+            });
+            let text = format!("{text}[load]\ntimes = [1]\n{}", each.collect::<String>());
+            let solution = Study::from_text("chambers.toml", &text).unwrap().build().unwrap().solve().unwrap();
+            (solution.states[0].end_face_angle_deg.unwrap(), solution.states[0].cavity_volume_mm3)
+        };
+        let (angle, volume) = angle_and_volumes(&[("cavity", 20.0)]);
+        let (of_each, volume_of_each) = angle_and_volumes(&[("cavity_1", 20.0), ("cavity_2", 20.0)]);
+        assert!((of_each / angle - 1.0).abs() < 1e-9 && angle > 1.0, "{gap}: {of_each} {angle}");
+        assert!((volume_of_each / volume - 1.0).abs() < 1e-9, "{gap}: {volume_of_each} {volume}");
+        let (of_one, _) = angle_and_volumes(&[("cavity_1", 20.0), ("cavity_2", 0.0)]);
+        assert!((0.2 * angle..0.8 * angle).contains(&of_one), "{gap}: {of_one} of {angle}");
+    }
+}
+
 /// Numbers of two results that describe the same body, which are to be equal.
 fn compare(name: &str, a: &StepSummary, b: &StepSummary) {
     let numbers = |state: &StepSummary| {
