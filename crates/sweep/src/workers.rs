@@ -67,7 +67,9 @@ pub fn solve_all(
             let post = Post { job, command, child, is_stopped };
             scope.spawn(move || {
                 let mut worker = None;
-                while let Some(task) = lock(queue).pop_front().filter(|_| !is_stopped.load(Ordering::SeqCst)) {
+                // The queue is free again before the design is solved; in the loop's own condition it would be locked until after it.
+                let next = || lock(queue).pop_front().filter(|_| !is_stopped.load(Ordering::SeqCst));
+                while let Some(task) = next() {
                     let Some(row) = post.row(&mut worker, &task) else { break };
                     if rows.send(row).is_err() {
                         break;
@@ -224,23 +226,45 @@ mod tests {
     use super::*;
     use crate::base::{Base, Design};
 
-    #[test]
-    fn a_design_that_kills_its_workers_is_a_row_and_is_tried_again() {
-        let folder = std::env::temp_dir().join(format!("pneuflex-sweep-workers-{}", std::process::id()));
+    /// A folder, a job in it and tasks without anything to solve.
+    fn empty_job(name: &str) -> (Job, Vec<Task>) {
+        let folder = std::env::temp_dir().join(format!("pneuflex-sweep-{name}-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("rows")).unwrap();
         let base = Base { path: "case.toml".into(), changes: Design::new() };
-        let job = Job { base, folder: folder.clone(), threads: 1, fields: false };
         let tasks = ["a", "b"].map(|name| Task { identity: name.into(), design: Design::new() });
+        (Job { base, folder, threads: 1, fields: false }, tasks.into())
+    }
+
+    /// Each worker waits until it sees the other one; in turn they would wait in vain.
+    #[cfg(unix)]
+    #[test]
+    fn designs_are_solved_side_by_side() {
+        let (job, tasks) = empty_job("side-by-side");
+        let script = "mkdir $$; for i in $(seq 100); do \
+                      if [ $(ls -d [0-9]* | wc -l) = 2 ]; then touch met; sleep 0.2; break; fi; sleep 0.05; done; rmdir $$";
+        let command = || {
+            let mut command = Command::new("sh");
+            command.args(["-c", script]).current_dir(&job.folder);
+            command
+        };
+        solve_all(&job, tasks, 2, &command, &StopToken::new(), &mut |_| {});
+        assert!(job.folder.join("met").exists());
+        std::fs::remove_dir_all(&job.folder).unwrap();
+    }
+
+    #[test]
+    fn a_design_that_kills_its_workers_is_a_row_and_is_tried_again() {
+        let (job, tasks) = empty_job("workers");
         let mut told = Vec::new();
         // It ends at once, whatever it is told.
         let command = || Command::new(if cfg!(windows) { "hostname" } else { "true" });
-        solve_all(&job, tasks.into(), 2, &command, &StopToken::new(), &mut |row| told.push(row.clone()));
+        solve_all(&job, tasks, 2, &command, &StopToken::new(), &mut |row| told.push(row.clone()));
         told.sort_by(|a, b| a.identity.cmp(&b.identity));
         let found: Vec<_> = told.iter().map(|row| (row.identity.as_str(), row.status.as_str())).collect();
         assert_eq!(found, [("a", "worker-died"), ("b", "worker-died")]);
         assert!(told[0].message.contains("died 3 times") && !told[0].is_finished());
-        assert_eq!(Row::read(&folder, "a"), told[0]);
-        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(Row::read(&job.folder, "a"), told[0]);
+        std::fs::remove_dir_all(&job.folder).unwrap();
     }
 
     #[test]

@@ -270,6 +270,25 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
+/// The same while a program runs, whose words are shown if it ends before.
+#[cfg(target_os = "linux")]
+#[track_caller]
+fn wait_while_running(driver: &mut std::process::Child, what: &str, mut is_so: impl FnMut(u32) -> bool) {
+    wait_until(what, || {
+        if is_so(driver.id()) {
+            return true;
+        }
+        if driver.try_wait().unwrap().is_some() {
+            let words = |pipe: Option<&mut dyn std::io::Read>| {
+                pipe.map(|pipe| std::io::read_to_string(pipe).unwrap_or_default()).unwrap_or_default()
+            };
+            let out = words(driver.stdout.as_mut().map(|pipe| pipe as _));
+            panic!("ended before {what}: {out}{}", words(driver.stderr.as_mut().map(|pipe| pipe as _)));
+        }
+        false
+    });
+}
+
 #[cfg(target_os = "linux")]
 const LONG: &str = r#"case = "cases/finger.toml"
 sample = "latin-hypercube"
@@ -289,13 +308,13 @@ fn killed_workers_and_drivers_lose_and_repeat_nothing() {
     let arguments = ["sweep", "gaps.toml", "--workers", "2", "--threads", "1"];
     let mut driver = scratch.start(&arguments);
     let count = || rows(&scratch, "out/gaps").len();
-    wait_until("a design is finished", || count() > 0);
+    wait_while_running(&mut driver, "a design is finished", |_| count() > 0);
     // Two workers die, one after the other, then the driver.
     for _ in 0..2 {
         let before = count();
-        wait_until("there are workers", || children(driver.id()).len() == 2);
+        wait_while_running(&mut driver, "there are workers", |driver| children(driver).len() == 2);
         kill(children(driver.id())[0], Signal::SIGKILL);
-        wait_until("it goes on", || count() > before);
+        wait_while_running(&mut driver, "it goes on", |_| count() > before);
     }
     let orphans = children(driver.id());
     driver.kill().unwrap();
@@ -321,9 +340,9 @@ fn killed_workers_and_drivers_lose_and_repeat_nothing() {
 fn ctrl_c_ends_a_sweep_and_keeps_what_is_finished() {
     use nix::sys::signal::Signal;
     let scratch = with_sweep("sweep-ctrl-c", LONG);
-    let driver = scratch.start(&["sweep", "gaps.toml", "--workers", "2", "--threads", "1"]);
-    wait_until("there are workers", || children(driver.id()).len() == 2);
-    wait_until("a design is finished", || !rows(&scratch, "out/gaps").is_empty());
+    let mut driver = scratch.start(&["sweep", "gaps.toml", "--workers", "2", "--threads", "1"]);
+    wait_while_running(&mut driver, "there are workers", |driver| children(driver).len() == 2);
+    wait_while_running(&mut driver, "a design is finished", |_| !rows(&scratch, "out/gaps").is_empty());
     let workers = children(driver.id());
     // Nobody else solves in this folder meanwhile.
     let other = scratch.run(&["sweep", "gaps.toml"]);
