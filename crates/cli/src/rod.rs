@@ -96,7 +96,9 @@ pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
         return Err(InputError::new("--tip-load must be a finite number of newtons").into());
     }
     let case = &file.case;
-    let cell_case = Case { actuator: cell::cell_of(&case.actuator), ..case.clone() };
+    let actuator = cell::cell_of(&case.actuator)
+        .map_err(|error| InputError::about_file(&arguments.case.case, error).of_key("actuator.gap"))?;
+    let cell_case = Case { actuator, ..case.clone() };
     Estimate::of(&cell_case).within(MemoryLimit::Available)?;
     let default = || PathBuf::from("out").join(format!("{}-rod", file.stem()));
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;

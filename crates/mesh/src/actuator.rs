@@ -199,6 +199,11 @@ impl Actuator {
         2.0 * self.flange + n * self.chamber_length + (n - 1.0) * self.gap
     }
 
+    /// Planes no further apart are one, mm.
+    fn rounding(&self) -> f64 {
+        1e-9 * self.length().max(self.width).max(self.height)
+    }
+
     /// Height of the cavities' floor, mm.
     pub fn floor(&self) -> f64 {
         self.cavity_floor.unwrap_or(self.base)
@@ -256,6 +261,11 @@ impl Actuator {
             found.extend(out_of_range("channel.top", self.channel.top, lowest, limit(base), true));
         }
         found.extend(out_of_range("gap", self.gap, 0.0, NO_LIMIT, false));
+        // Planes that are nearer to each other are one, and so would be the chambers.
+        if self.gap > 0.0 && self.gap <= self.rounding() && self.rounding().is_finite() {
+            let allowed = format!("must be 0 or greater than {:.1e} mm, a billionth of the body", self.rounding());
+            found.push(GeometryError { key: "gap", value: self.gap, allowed });
+        }
         found.extend(out_of_range("flange", self.flange, 0.0, NO_LIMIT, false));
         let half_inside = limit(0.5 * width - side_wall);
         found.extend(out_of_range("channel.half_width", self.channel.half_width, 0.0, half_inside, false));
@@ -324,7 +334,7 @@ impl Actuator {
                 add_cut(planes, at, SAME_PLANE * self.thinnest_wall());
             }
         }
-        axes.map(|planes| to_intervals(&planes, 1e-9 * self.length().max(self.width).max(self.height)))
+        axes.map(|planes| to_intervals(&planes, self.rounding()))
     }
 
     fn region(&self, [x, y, z]: [f64; 3]) -> Region {
@@ -681,6 +691,10 @@ mod tests {
             }
         }
         assert_eq!((Actuator { gap: 0.0, ..Actuator::full() }.gaps(), Actuator::full().gaps()), (0, 7));
+        // A gap that no mesh has is refused, not closed without a word.
+        let gap_of = |chamber_length, gap| Actuator { chamber_length, gap, ..Actuator::two_chambers() }.validate();
+        assert!(gap_of(8.0, 1e-6).is_ok() && gap_of(800.0, 0.0).is_ok());
+        assert_eq!(gap_of(800.0, 1e-6).unwrap_err().key, "gap");
     }
 
     /// The wall that two chambers share is one wall: as many elements as were asked for, and none that only half of it gets.

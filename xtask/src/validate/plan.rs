@@ -177,7 +177,7 @@ impl Run {
 pub enum Extent {
     /// Every mesh and every statement.
     Full,
-    /// For CI: the actuator on one mesh, fewer pressures along the path, rod and sensitivities on a coarse mesh.
+    /// For CI: the actuator on one mesh, fewer pressures along the path, rod and sensitivities (of fewer lengths) on a coarse mesh.
     Quick,
 }
 

@@ -55,3 +55,12 @@ fn a_tip_load_bends_the_rod_and_files_beside_it_stay() {
     assert!(down < free - 0.05 && up > free + 0.05, "{up} {free} {down}");
     assert_eq!(fs::read_to_string(scratch.path("rods/notes.txt")).unwrap(), "mine");
 }
+
+/// Chambers that share a wall are no cells between which only the base bends.
+#[test]
+fn chambers_without_a_gap_have_no_rod() {
+    let scratch = Scratch::new("rod-block");
+    let ended = scratch.run(&["rod", &fixture("two_chamber_coarse.toml"), "--set", "actuator.gap=0"]);
+    assert!(ended.code == 2 && ended.err.contains("actuator.gap = 0"), "{ended:?}");
+    assert!(scratch.listing().is_empty(), "{:?}", scratch.listing());
+}

@@ -60,8 +60,14 @@ pub struct Cell {
 ///
 /// The cuts are planes of symmetry of a long row, so that clamping one of them takes little away. Cut at the chambers'
 /// outer walls and clamped there, the cell bends 10 % less than a chamber within a row.
-pub fn cell_of(actuator: &Actuator) -> Actuator {
-    Actuator { chambers: 2, flange: 0.5 * actuator.gap, ..actuator.clone() }
+///
+/// # Errors
+/// Chambers without a gap.
+pub fn cell_of(actuator: &Actuator) -> Result<Actuator, CellError> {
+    if actuator.gap == 0.0 {
+        return Err(CellError::NoGap);
+    }
+    Ok(Actuator { chambers: 2, flange: 0.5 * actuator.gap, ..actuator.clone() })
 }
 
 /// Takes the samples from the case's actuator.
@@ -69,10 +75,7 @@ pub fn cell_of(actuator: &Actuator) -> Actuator {
 /// # Errors
 /// Lengths that make no body, chambers without a gap, or a state that is not reached.
 pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, CellError> {
-    if case.actuator.gap == 0.0 {
-        return Err(CellError::NoGap);
-    }
-    let cell = cell_of(&case.actuator);
+    let cell = cell_of(&case.actuator)?;
     let problem = Problem::from_actuator(
         &cell,
         &case.mesh.mesh_size(&case.actuator),
