@@ -261,14 +261,14 @@ impl Actuator {
             found.extend(out_of_range("channel.top", self.channel.top, lowest, limit(base), true));
         }
         found.extend(out_of_range("gap", self.gap, 0.0, NO_LIMIT, false));
-        // Planes that are nearer to each other are one, and so would be the chambers.
-        if self.gap > 0.0 && self.gap <= self.rounding() && self.rounding().is_finite() {
-            let allowed = format!("must be 0 or greater than {:.1e} mm, a billionth of the body", self.rounding());
-            found.push(GeometryError { key: "gap", value: self.gap, allowed });
-        }
         found.extend(out_of_range("flange", self.flange, 0.0, NO_LIMIT, false));
         let half_inside = limit(0.5 * width - side_wall);
         found.extend(out_of_range("channel.half_width", self.channel.half_width, 0.0, half_inside, false));
+        // Planes that are nearer to each other are one, and so would be the chambers.
+        if found.is_empty() && self.gap > 0.0 && self.gap <= self.rounding() {
+            let allowed = format!("must be 0 or greater than {:.1e} mm, a billionth of the body", self.rounding());
+            found.push(GeometryError { key: "gap", value: self.gap, allowed });
+        }
         found
     }
 

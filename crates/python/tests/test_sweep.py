@@ -40,7 +40,7 @@ def test_a_grid_is_solved_once(tmp_path: Path) -> None:
     more = [*Grid(space).designs(), {"actuator.gap": 2.5}, {"actuator.gap": 2.5}, {"actuator.gap": -1.0}]
     again = pneuflex.sweep(case, more, out=tmp_path, progress=False, on_row=lambda row: seen.append(row["identity"]))
     assert len(seen) == 2 and len(again) == 9 and again[6]["states"] == again[7]["states"] != []
-    assert again[8]["status"] == "bad-input" and "greater than 0 mm" in again[8]["message"] and again.failures == [again[8]]
+    assert again[8]["status"] == "bad-input" and "at least 0 mm" in again[8]["message"] and again.failures == [again[8]]
     assert "9 of 9 designs finished, 1 of them failed" in repr(again) and Sweep.open(tmp_path).rows == again.rows
     with pytest.raises(InputError, match=r"another case \(load, solver differ\)"):
         pneuflex.sweep(case, space, out=tmp_path, pressures=[3], progress=False)
