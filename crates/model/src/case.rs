@@ -58,6 +58,7 @@ impl Case {
     pub fn problems(&self) -> Vec<CaseError> {
         let mut found = Problems(self.actuator.problems().into_iter().map(CaseError::from).collect());
         self.mesh.check(&mut found);
+        self.output.check(&mut found);
         found.0.extend(self.material.problems("material"));
         found.unless_positive("contact.stiffness", self.contact.stiffness, Quantity::Stiffness);
         if let Some(tolerance) = self.contact.penetration_tolerance {

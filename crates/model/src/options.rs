@@ -152,6 +152,8 @@ pub enum Continuation {
 pub struct Output {
     /// Write `fields/*.vtu` at every requested pressure.
     pub fields: bool,
+    /// Beside them write the stresses at the elements' integration points.
+    pub points: bool,
 }
 
 impl Default for Contact {
@@ -182,9 +184,21 @@ impl Default for Solver {
     }
 }
 
+impl Output {
+    pub(crate) fn check(&self, found: &mut Problems) {
+        if self.points && !self.fields {
+            found.add(
+                "output.points",
+                &true,
+                "is not for output.fields = false: the points go into a file beside the fields",
+            );
+        }
+    }
+}
+
 impl Default for Output {
     fn default() -> Self {
-        Self { fields: true }
+        Self { fields: true, points: false }
     }
 }
 

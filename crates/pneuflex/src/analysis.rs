@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pneuflex_mesh::{Actuator, build_actuator_with};
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, Contact, Formulation, LoadParameter, Probe, Problem, Solver};
+use pneuflex_model::{Case, CaseError, Contact, Formulation, LoadParameter, Output, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
@@ -42,8 +42,8 @@ pub struct Analysis {
     pub solver: Solver,
     /// Points whose displacement is reported.
     pub probes: Vec<Probe>,
-    /// Whether field files are written where the results are recorded.
-    pub fields: bool,
+    /// Which files are written where the results are recorded.
+    pub output: Output,
     /// How it was described.
     pub description: Description,
     /// What to know before it is solved: sizes, and what was understood in another way than it may be meant.
@@ -93,7 +93,7 @@ impl Analysis {
             requested: case.load.pressure_kpa.iter().copied().map(LoadParameter).collect(),
             solver: case.solver.clone(),
             probes: case.probes.clone(),
-            fields: case.output.fields,
+            output: case.output.clone(),
             path: path.to_owned(),
             description: Description::Actuator(Box::new(case)),
             notes: Vec::new(),
@@ -186,7 +186,7 @@ impl Analysis {
             requested: study.times.into_iter().map(LoadParameter).collect(),
             solver: study.solver,
             probes: model.probes.clone(),
-            fields: model.output.fields,
+            output: model.output.clone(),
             path: path.to_owned(),
             description: Description::Body(Box::new(model)),
             notes: Vec::new(),

@@ -53,9 +53,22 @@ pub fn field_files(
     problem: &Problem,
     described: &Described,
     equilibrium: &ConvergedState,
-) -> Result<(String, Option<String>), ResultsError> {
+) -> Result<[Option<String>; 2], ResultsError> {
     let files = described.field_files(problem, &as_described(equilibrium));
-    files.map_err(|source| failed(problem, equilibrium, source))
+    files.map(|(body, walls)| [Some(body), walls]).map_err(|source| failed(problem, equilibrium, source))
+}
+
+/// The text of the file of the stresses at the integration points.
+///
+/// # Errors
+/// [`ResultsError::Derived`].
+pub fn points_file(
+    problem: &Problem,
+    described: &Described,
+    equilibrium: &ConvergedState,
+) -> Result<String, ResultsError> {
+    let file = fields::points(&described.stress, equilibrium.parameter.0).to_vtu();
+    file.map_err(|source| failed(problem, equilibrium, source))
 }
 
 /// The text of the field file of a motion along which the body buckled.

@@ -12,6 +12,7 @@ use crate::disk::Disk;
 use crate::error::ResultsError;
 use crate::files::{INCLUDED, INPUT};
 use crate::input_error::{InputError, InputErrorKind};
+use crate::recorder::FIELDS;
 
 /// Name of the report in a result folder.
 pub const REPORT: &str = "report.html";
@@ -131,8 +132,8 @@ impl OutputFolder {
             self.disk.remove(&self.path.join(file))?;
         }
         for name in self.names_in("fields") {
-            let is_field = (name.starts_with("step_") || name.starts_with("contact_")) && name.ends_with(".vtu");
-            if is_field || name == "series.pvd" {
+            let is_field = FIELDS.into_iter().chain(["mode"]).any(|field| name.starts_with(&format!("{field}_")));
+            if (is_field && name.ends_with(".vtu")) || name == "series.pvd" {
                 self.disk.remove(&self.path.join("fields").join(name))?;
             }
         }

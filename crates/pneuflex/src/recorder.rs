@@ -31,8 +31,8 @@ const HISTORY: &str = "history.jsonl";
 /// File that lists the field files with their times.
 const SERIES: &str = "fields/series.pvd";
 
-/// Names of the field files of a state: the body, the walls that may touch.
-const FIELDS: [&str; 2] = ["step", "contact"];
+/// Names of the field files of a state: the body, the walls that may touch, the integration points.
+pub const FIELDS: [&str; 3] = ["step", "contact", "points"];
 
 /// Load steps on the way whose fields are kept, at the most.
 const ON_THE_WAY: usize = 6;
@@ -264,7 +264,7 @@ impl<'a> Recorder<'a> {
     fn state(&mut self, state: &ReachedState<'_>) -> Result<(), ResultsError> {
         let began = Instant::now();
         self.steps.push(state.summary.clone());
-        if self.analysis.fields {
+        if self.analysis.output.fields {
             let number = format!("{:02}", self.steps.len());
             self.write_fields((self.along_steps(), &number), state.described, state.equilibrium)?;
         }
@@ -281,8 +281,10 @@ impl<'a> Recorder<'a> {
         described: &Described,
         equilibrium: &ConvergedState,
     ) -> Result<(), ResultsError> {
-        let (body, walls) = derived::field_files(&self.analysis.problem, described, equilibrium)?;
-        for (name, text) in FIELDS.into_iter().zip([Some(body), walls]) {
+        let [body, walls] = derived::field_files(&self.analysis.problem, described, equilibrium)?;
+        let points =
+            self.analysis.output.points.then(|| derived::points_file(&self.analysis.problem, described, equilibrium));
+        for (name, text) in FIELDS.into_iter().zip([body, walls, points.transpose()?]) {
             if let Some(text) = text {
                 self.folder.write(&format!("fields/{name}_{number}.vtu"), &text)?;
             }
@@ -307,7 +309,7 @@ impl<'a> Recorder<'a> {
         let mut summaries = Vec::new();
         for state in &states {
             let Ok(described) = derived::describe(&analysis.problem, &self.probes, state) else { continue };
-            if analysis.fields {
+            if analysis.output.fields {
                 let beyond = self.steps.last().map_or(0.0, |last| self.along_steps() - last.when().0);
                 let number = on_the_way_number(summaries.len() + 1);
                 self.write_fields((beyond + state.parameter.0, &number), &described, state)?;

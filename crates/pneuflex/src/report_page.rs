@@ -122,7 +122,7 @@ fn read_summary(folder: &Path) -> Result<Summary, InputError> {
 
 /// The fields at every reached pressure or time; `None` if none were asked for.
 fn read_states(folder: &Path, analysis: &Analysis, summary: &Summary) -> Result<Option<Vec<State>>, InputError> {
-    if !analysis.fields {
+    if !analysis.output.fields {
         return Ok(None);
     }
     let problem = &analysis.problem;

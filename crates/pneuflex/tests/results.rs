@@ -198,6 +198,40 @@ fn fields(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Peaks and quantiles can be had from the points again; a run into the same folder without them removes them.
+#[test]
+fn stresses_at_integration_points_are_written_on_request() {
+    for text in [
+        "[actuator]\nchambers = 1\n[mesh]\nresolution = 'draft'\n[load]\npressure_kpa = [3, 5]\n".to_owned(),
+        BODY.replace("PART", "half") + MODEL,
+    ] {
+        let mut study = Study::from_text("points.toml", &text).unwrap();
+        study.set("output.points", "true").unwrap();
+        let (analysis, folder) = (study.build().unwrap(), scratch("points"));
+        analysis.run().record(&folder).solve().unwrap();
+        let steps = summary(&folder)["steps"].as_array().unwrap().clone();
+        assert!(fs::read_to_string(folder.join("fields/series.pvd")).unwrap().contains("points_01.vtu"));
+        for (number, step) in steps.iter().enumerate() {
+            let file = folder.join(format!("fields/points_{:02}.vtu", number + 1));
+            let grid = pneuflex::post::vtu::Grid::from_vtu(&fs::read_to_string(file).unwrap()).unwrap();
+            let values = |name: &str| grid.point_data.iter().find(|field| field.name == name).unwrap().values.clone();
+            let (mut stress, volume) = (values("von_mises"), values("volume"));
+            assert_eq!((stress.len(), values("cauchy_stress").len()), (grid.points.len(), 6 * grid.points.len()));
+            let whole: f64 = volume.iter().sum();
+            assert!((whole - analysis.problem.mesh.volume()).abs() < 1e-6 * whole);
+            stress.sort_by(f64::total_cmp);
+            let largest = step["max_von_mises_mpa"].as_f64().unwrap();
+            assert!((stress[stress.len() - 1] - largest).abs() < 1e-9 * largest);
+        }
+        study.set("output.points", "false").unwrap();
+        study.build().unwrap().run().record(&folder).solve().unwrap();
+        assert!(!fields(&folder).iter().any(|name| name.starts_with("points")), "{:?}", fields(&folder));
+        let why = study.set("output", "{ fields = false, points = true }").unwrap().build().unwrap_err();
+        assert!(why.to_string().contains("output.points = true"), "{why}");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
 #[test]
 fn a_run_that_stops_keeps_what_it_reached_on_the_way() {
     let mut study = Study::from_text("chambers.toml", &(BODY.replace("PART", "half") + MODEL)).unwrap();

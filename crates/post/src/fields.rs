@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use pneuflex_mesh::Facet;
-use pneuflex_model::Problem;
+use pneuflex_model::{LoadParameter, Problem};
 
 use crate::contact::ContactState;
 use crate::error::{PostError, check};
 use crate::stress::{StressField, von_mises};
+use crate::surface_stress::{self, SurfaceState};
 use crate::vtu::{Field, Grid};
 
 /// The body in its reference position with `displacement` (mm), `cauchy_stress` and `von_mises` (MPa) at the nodes and
@@ -17,9 +18,10 @@ use crate::vtu::{Field, Grid};
 ///
 /// # Errors
 /// Displacements of the wrong length or with a number that is not finite.
-pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, time: f64) -> Result<Grid, PostError> {
+pub fn body(problem: &Problem, stress: &StressField, state: &SurfaceState<'_>) -> Result<Grid, PostError> {
+    let SurfaceState { displacement, parameter: LoadParameter(time), .. } = *state;
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
-    let nodal = stress.at_nodes(problem);
+    let nodal = surface_stress::nodal(problem, stress, state);
     let mut grid = at_rest(problem, time);
     grid.point_data = vec![
         Field::vector("displacement", displacement.as_flattened().to_vec()),
@@ -28,6 +30,24 @@ pub fn body(problem: &Problem, displacement: &[[f64; 3]], stress: &StressField, 
     ];
     grid.cell_data = vec![Field::scalar("pressure", stress.element_pressures())];
     Ok(grid)
+}
+
+/// The elements' integration points in their reference position, in the order of the elements, with `cauchy_stress` and `von_mises` (MPa), the
+/// largest `stretch` and the `volume` (mm³) at rest that each stands for: what peaks and quantiles are of.
+pub fn points(stress: &StressField, time: f64) -> Grid {
+    /// Cell type of the VTK file formats.
+    const VERTEX: u8 = 1;
+    let points = &stress.points;
+    let mut grid = Grid { points: points.iter().map(|point| point.position).collect(), time, ..Grid::default() };
+    (0..points.len() as u32).for_each(|point| grid.push_cell(VERTEX, [point]));
+    let tensors: Vec<[f64; 6]> = points.iter().map(|point| point.stress).collect();
+    grid.point_data = vec![
+        Field::symmetric_tensor("cauchy_stress", tensors.into_flattened()),
+        Field::scalar("von_mises", points.iter().map(|point| point.von_mises).collect()),
+        Field::scalar("stretch", points.iter().map(|point| point.stretch).collect()),
+        Field::scalar("volume", points.iter().map(|point| point.volume).collect()),
+    ];
+    grid
 }
 
 /// The body in its reference position with the motion `mode` at the nodes, along which it buckles at `time`.
@@ -143,10 +163,11 @@ mod tests {
         let problem = two_chambers(2.0);
         let u = displacement_of(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 } * x[2] / 13.0, 0.0, 0.0]);
         let stress = stress::recover(&problem, &u).unwrap();
-        let grid = body(&problem, &u, &stress, 5.0).unwrap();
+        let contact = contact::evaluate(&problem, &u).unwrap();
+        let state = SurfaceState { displacement: &u, parameter: LoadParameter(5.0), pressures: &[], contact: &contact };
+        let grid = body(&problem, &stress, &state).unwrap();
         assert_eq!((grid.points.len(), grid.cell_types.len()), (problem.mesh.num_nodes(), problem.mesh.num_elements()));
         grid.to_vtu().unwrap();
-        let contact = contact::evaluate(&problem, &u).unwrap();
         let walls = contact_walls(&problem, &u, &contact, 5.0).unwrap().unwrap();
         let pair = &problem.contact_pairs[0];
         assert_eq!(walls.cell_types.len(), pair.slave.len() + pair.master.len());

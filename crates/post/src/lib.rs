@@ -4,6 +4,7 @@
 //! how the field was found, and touches neither files nor clock nor terminal.
 //!
 //! * [`stress`]: Cauchy and von Mises stress at integration points and nodes, strain energy.
+//! * [`surface_stress`]: the stress at nodes of surfaces whose traction is known.
 //! * [`measures`]: end-face angle, centreline, air volume, reactions.
 //! * [`penetration`]: how far walls pass through each other, by dense sampling.
 //! * [`contact`]: what the contact's own points carry.
@@ -24,6 +25,7 @@ pub mod search;
 pub mod stress;
 pub mod summary;
 pub mod surface;
+pub mod surface_stress;
 #[cfg(test)]
 mod testing;
 pub mod vector;

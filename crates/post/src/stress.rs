@@ -236,18 +236,18 @@ fn volumetric_pressure(rule: &[([f64; 4], f64, f64)], material: &ElementMaterial
 }
 
 /// Gaussian elimination without pivoting, which a positive definite matrix does not need.
-fn solve_positive_definite(mut a: [[f64; 4]; 4], mut b: [f64; 4]) -> [f64; 4] {
-    for k in 0..4 {
-        for i in k + 1..4 {
+pub(crate) fn solve_positive_definite<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
+    for k in 0..N {
+        for i in k + 1..N {
             let factor = a[i][k] / a[k][k];
-            for j in k..4 {
+            for j in k..N {
                 a[i][j] -= factor * a[k][j];
             }
             b[i] -= factor * b[k];
         }
     }
-    for k in (0..4).rev() {
-        let known: f64 = (k + 1..4).map(|j| a[k][j] * b[j]).sum();
+    for k in (0..N).rev() {
+        let known: f64 = (k + 1..N).map(|j| a[k][j] * b[j]).sum();
         b[k] = (b[k] - known) / a[k][k];
     }
     b

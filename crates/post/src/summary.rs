@@ -10,6 +10,7 @@ use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Pr
 use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
+use crate::surface_stress::SurfaceState;
 use crate::vector::{cross, sub};
 use crate::{contact, fields, measures, penetration, stress, vtu};
 
@@ -411,7 +412,13 @@ impl Described {
     /// A list of the wrong length or a number that is not finite.
     pub fn field_files(&self, problem: &Problem, state: &State<'_>) -> Result<(String, Option<String>), PostError> {
         let time = state.parameter.0;
-        let body = fields::body(problem, state.displacement, &self.stress, time)?.to_vtu()?;
+        let surface = SurfaceState {
+            displacement: state.displacement,
+            parameter: state.parameter,
+            pressures: state.cavity_pressures,
+            contact: &self.contact,
+        };
+        let body = fields::body(problem, &self.stress, &surface)?.to_vtu()?;
         let walls: Option<vtu::Grid> = fields::contact_walls(problem, state.displacement, &self.contact, time)?;
         Ok((body, walls.map(|grid| grid.to_vtu()).transpose()?))
     }

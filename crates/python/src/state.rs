@@ -6,6 +6,7 @@ use std::sync::Arc;
 use pneuflex::newton::ConvergedState;
 use pneuflex::post::fields;
 use pneuflex::post::summary::Described;
+use pneuflex::post::surface_stress::SurfaceState;
 use pneuflex::post::vtu::{Field, Grid};
 use pneuflex::{Analysis, Error, InputError, ResultsError, input_file, json, on_threads};
 use pyo3::prelude::*;
@@ -42,7 +43,13 @@ impl Kept {
             Self { summary, equilibrium: equilibrium.clone(), point_data: Vec::new(), cell_data: Vec::new() };
         if keeps_fields {
             let problem = &analysis.problem;
-            let grid = fields::body(problem, &equilibrium.displacement, &described.stress, equilibrium.parameter.0);
+            let surface = SurfaceState {
+                displacement: &equilibrium.displacement,
+                parameter: equilibrium.parameter,
+                pressures: &equilibrium.cavity_pressures,
+                contact: &described.contact,
+            };
+            let grid = fields::body(problem, &described.stress, &surface);
             let at = problem.clock.words(equilibrium.parameter);
             let grid = grid.map_err(|source| ResultsError::Derived { at, source })?;
             (kept.point_data, kept.cell_data) = (grid.point_data, grid.cell_data);

@@ -156,6 +156,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("solver.states_past_limit", "states past the first limit point, at the most", ""),
     ("solver.imperfection", "displacement along the motion that buckles", "mm"),
     ("output.fields", "field files", ""),
+    ("output.points", "stresses at integration points", ""),
 ];
 
 /// All keys of a case or a model in groups, in the order of the page; what is not known here comes last. Tables of which there

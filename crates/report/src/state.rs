@@ -84,7 +84,8 @@ fn field(grid: &Grid, name: &str, components: usize) -> Result<Vec<f64>, ReportE
 mod tests {
     use super::*;
     use crate::testing::{displaced, two_chambers};
-    use pneuflex_model::Formulation;
+    use pneuflex_model::{Formulation, LoadParameter};
+    use pneuflex_post::surface_stress::SurfaceState;
     use pneuflex_post::{contact, fields, stress};
 
     #[test]
@@ -93,7 +94,12 @@ mod tests {
         // The first chamber leans onto the second.
         let u = displaced(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 } * x[2] / 13.0, 0.0, 0.0]);
         let (stress, contact) = (stress::recover(&problem, &u).unwrap(), contact::evaluate(&problem, &u).unwrap());
-        let body = fields::body(&problem, &u, &stress, 5.0).unwrap();
+        let body = fields::body(
+            &problem,
+            &stress,
+            &SurfaceState { displacement: &u, parameter: LoadParameter(5.0), pressures: &[], contact: &contact },
+        )
+        .unwrap();
         let walls = fields::contact_walls(&problem, &u, &contact, 5.0).unwrap().unwrap();
         let state = State::from_grids(&problem, &body, Some(&walls)).unwrap();
         assert_eq!((&state.displacement, state.time), (&u, 5.0));
@@ -123,7 +129,12 @@ mod tests {
         let problem = two_chambers(Formulation::Hex8Sri);
         let u = displaced(&problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 } * x[2] / 13.0, 0.0, 0.0]);
         let (stress, contact) = (stress::recover(&problem, &u).unwrap(), contact::evaluate(&problem, &u).unwrap());
-        let body = fields::body(&problem, &u, &stress, 5.0).unwrap();
+        let body = fields::body(
+            &problem,
+            &stress,
+            &SurfaceState { displacement: &u, parameter: LoadParameter(5.0), pressures: &[], contact: &contact },
+        )
+        .unwrap();
         let walls = fields::contact_walls(&problem, &u, &contact, 5.0).unwrap().unwrap();
         let refused = |body: &Grid, walls: &Grid, what: &str| {
             let message = State::from_grids(&problem, body, Some(walls)).unwrap_err().to_string();

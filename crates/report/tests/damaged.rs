@@ -7,7 +7,8 @@ use std::cell::Cell;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use peak_alloc::PeakAlloc;
-use pneuflex_model::{Case, Formulation, Problem};
+use pneuflex_model::{Case, Formulation, LoadParameter, Problem};
+use pneuflex_post::surface_stress::SurfaceState;
 use pneuflex_post::vtu::Grid;
 use pneuflex_post::{contact, fields, stress};
 use pneuflex_report::inputs::groups;
@@ -39,7 +40,14 @@ impl Folder {
         // The first chamber leans onto the second.
         let u = testing::displaced(problem, |x| [if x[0] <= 8.0 { 2.1 } else { 0.0 } * x[2] / 13.0, 0.0, 0.0]);
         let (stress, contact) = (stress::recover(problem, &u).unwrap(), contact::evaluate(problem, &u).unwrap());
-        let body = fields::body(problem, &u, &stress, 5.0).unwrap().to_vtu().unwrap();
+        let body = fields::body(
+            problem,
+            &stress,
+            &SurfaceState { displacement: &u, parameter: LoadParameter(5.0), pressures: &[], contact: &contact },
+        )
+        .unwrap()
+        .to_vtu()
+        .unwrap();
         let walls = fields::contact_walls(problem, &u, &contact, 5.0).unwrap().unwrap().to_vtu().unwrap();
         let summary = serde_json::to_string_pretty(&testing::summary_json(&[5.0])).unwrap();
         Self { texts: [body, walls, summary] }

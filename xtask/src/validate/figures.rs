@@ -1,9 +1,11 @@
 //! The figures: which of the paper's they stand for, and their drawings.
 
+use pneuflex::model::{LoadParameter, Pressure};
 use pneuflex::plot::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
 use pneuflex::plot::drawing::{Colour, Drawing};
 use pneuflex::plot::picture::{self, Panel, View};
-use pneuflex::post::stress;
+use pneuflex::post::surface_stress::{self, SurfaceState};
+use pneuflex::post::{contact, stress};
 
 use super::Outcome;
 use super::plan::{Body, Extent, Method, PICTURED, PRESSURES};
@@ -36,7 +38,12 @@ struct State<'a> {
 fn state(solution: &Solution) -> Outcome<State<'_>> {
     let displacement = solution.displacement(PICTURED)?;
     let field = stress::recover(&solution.problem, &displacement)?;
-    let von_mises = field.at_nodes(&solution.problem).into_iter().map(stress::von_mises).collect();
+    let parameter = LoadParameter(PICTURED);
+    let contact = contact::evaluate_at(&solution.problem, &displacement, parameter, &[])?;
+    let pressures = [Pressure::from_kpa(PICTURED)];
+    let surface = SurfaceState { displacement: &displacement, parameter, pressures: &pressures, contact: &contact };
+    let nodal = surface_stress::nodal(&solution.problem, &field, &surface);
+    let von_mises = nodal.into_iter().map(stress::von_mises).collect();
     Ok(State { solution, displacement, von_mises })
 }
 

@@ -17,6 +17,7 @@ impl Model {
         if let Some(source) = &self.model {
             found.unless_positive("model.scale", source.scale, Quantity::Factor);
         }
+        self.output.check(&mut found);
         found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
         match &self.model {
             Some(_) => self.mesh.check_imported(&mut found),

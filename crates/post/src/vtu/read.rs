@@ -153,14 +153,18 @@ fn numbers<T, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface_stress::SurfaceState;
     use crate::testing::{displacement_of, two_chambers};
-    use crate::{fields, stress};
+    use crate::{contact, fields, stress};
+    use pneuflex_model::LoadParameter;
 
     fn state() -> Grid {
         let problem = two_chambers(2.0);
         let u = displacement_of(&problem, |x| [0.01 * x[2], 0.0, -1e-3 * x[0] * x[0]]);
-        let stress = stress::recover(&problem, &u).unwrap();
-        fields::body(&problem, &u, &stress, 35.0).unwrap()
+        let (stress, contact) = (stress::recover(&problem, &u).unwrap(), contact::evaluate(&problem, &u).unwrap());
+        let parameter = LoadParameter(35.0);
+        let state = SurfaceState { displacement: &u, parameter, pressures: &[], contact: &contact };
+        fields::body(&problem, &stress, &state).unwrap()
     }
 
     #[test]

@@ -349,7 +349,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             states_past_limit: 4,
             imperfection: None,
         },
-        output: Output { fields: dice.chance(0.8) },
+        output: Output { fields: dice.chance(0.8), points: false },
         actuator,
     };
     // As often as there are no fields.
@@ -418,7 +418,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         load: Some(Times { times }),
         probes: probes(dice, extent),
         solver: steps(dice, end),
-        output: Output { fields: dice.chance(0.8) },
+        output: Output { fields: dice.chance(0.8), points: false },
         material: if dice.chance(0.8) { Some(material) } else { None },
         actuator: Some(actuator),
     };
@@ -612,7 +612,7 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         load: Some(Times { times }),
         probes: probes(dice, [low, high]),
         solver: steps(dice, end),
-        output: Output { fields: dice.chance(0.8) },
+        output: Output { fields: dice.chance(0.8), points: false },
         material: Some(material),
     };
     Draw::Model(Box::new(model), Some(Body { mesh, formulation }))
