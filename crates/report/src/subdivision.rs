@@ -44,11 +44,12 @@ mod tests {
     use super::*;
     use pneuflex_mesh::ElementKind;
 
-    const KINDS: [(ElementKind, usize, f64); 4] = [
+    const KINDS: [(ElementKind, usize, f64); 5] = [
         (ElementKind::Hex8, 6, 8.0),
         (ElementKind::Hex27, 48, 8.0),
         (ElementKind::Tet10, 8, 1.0 / 6.0),
         (ElementKind::Tet15, 24, 1.0 / 6.0),
+        (ElementKind::Wedge21, 36, 1.0),
     ];
 
     #[test]

@@ -34,10 +34,15 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         };
         let order = match element {
             Formulation::Hex20 | Formulation::Hex27 => 4.0,
+            Formulation::Wedge21 => 3.0,
             _ => 2.0,
         };
         let meshes = [1, 2, 4].map(|r| coarsest.map(|n| r * n));
-        let meshes = if element == Formulation::Tet15 { [[2, 4], [3, 6], [4, 8]] } else { meshes };
+        let meshes = if matches!(element, Formulation::Tet15 | Formulation::Wedge21) {
+            [[2, 4], [3, 6], [4, 8]]
+        } else {
+            meshes
+        };
         let describe = |mesh: &[usize; 2]| (format!("{} × {}", mesh[0], mesh[1]), mesh[0] as f64);
         let has_order = element != Formulation::Tet15;
         let orders = has_order.then_some([order, order - 0.2]);
