@@ -4,7 +4,7 @@ use std::ops::{Index, Range};
 
 use crate::element::ElementKind;
 
-/// Families of a mesh's elements.
+/// Families of a mesh's elements. Those of a mesh of one family are [`Kinds::One`], whatever they were made from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kinds {
     /// All elements are of one family.

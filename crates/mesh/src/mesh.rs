@@ -256,6 +256,11 @@ impl Mesh {
     /// A quadrilateral and a triangle on the boundary that has three of its corners: they lie on each other, but do not hold together. The
     /// first such pair; `None` if there is none.
     pub fn unmatched_faces(&self) -> Option<[Facet; 2]> {
+        let families = self.families();
+        let has_face = |corners| families.iter().any(|kind| kind.faces.iter().any(|face| face.kind.num_corners() == corners));
+        if !(has_face(3) && has_face(4)) {
+            return None;
+        }
         let boundary = self.boundary_facets();
         let corners = |facet: Facet| {
             let mut corners = self.facet_nodes(facet);

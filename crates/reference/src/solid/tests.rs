@@ -68,6 +68,7 @@ fn primal_energy_is_the_one_in_the_text() {
             Formulation::Tet10 => quadrature::collapsed(3),
             Formulation::Hex20 => quadrature::irons(),
             Formulation::Tet15 => quadrature::tetrahedron_of_degree_5(),
+            Formulation::Wedge21 => quadrature::prism(&quadrature::triangle_of_degree_5()),
             _ => quadrature::tensor(order),
         };
         let sum = |f: &dyn Fn(&[f64; 3], f64, f64) -> f64| -> f64 {
