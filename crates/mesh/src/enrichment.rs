@@ -49,13 +49,13 @@ impl Mesh {
             let recipe = &recipes[self.kind_of(element)];
             let new_nodes = &mut connectivity[kinds.range(element)];
             recipe.kept.iter().zip(old_nodes).for_each(|(&place, &node)| new_nodes[place] = node);
-            for (number, local, around) in &recipe.faces {
-                let key = self.face_key(Facet { element: element as u32, face: *number });
+            for NewCentre { face, local, around } in &recipe.faces {
+                let key = self.face_key(Facet { element: element as u32, face: *face });
                 match known.get(&key) {
                     Some(&Centre::Given(node)) => new_nodes[*local] = node,
-                    Some(&Centre::Added(face)) => {
-                        added[face].place = Place::Face;
-                        new_nodes[*local] = added[face].node;
+                    Some(&Centre::Added(number)) => {
+                        added[number].place = Place::Face;
+                        new_nodes[*local] = added[number].node;
                     }
                     None => {
                         known.insert(key, Centre::Added(added.len()));
@@ -132,10 +132,17 @@ struct Recipe {
     new: ElementKind,
     /// Where the nodes that there are come.
     kept: Vec<usize>,
-    /// Of every face that lacks its node: the face, the new local node, and the old ones with their shape functions there.
-    faces: Vec<(u8, usize, Vec<(usize, f64)>)>,
+    /// Of every face that lacks its node.
+    faces: Vec<NewCentre>,
     /// New local nodes inside, and the shape functions of all old nodes there.
     inner: Vec<(usize, Vec<f64>)>,
+}
+
+/// The node that a face of an element gets: the face, the new local node, and the old ones with their shape functions there.
+struct NewCentre {
+    face: u8,
+    local: usize,
+    around: Vec<(usize, f64)>,
 }
 
 impl Recipe {
@@ -147,15 +154,16 @@ impl Recipe {
         let at = |local: usize| -> Vec<f64> {
             shape::tabulate(old, new.nodes[local]).0.iter().map(|value| (144.0 * value).round() / 144.0).collect()
         };
-        let faces: Vec<(u8, usize, Vec<(usize, f64)>)> = (0..new.num_faces())
+        let faces: Vec<NewCentre> = (0..new.num_faces())
             .filter_map(|face| {
                 let local = new.face_nodes(face).iter().copied().find(|node| !kept.contains(node))?;
                 let values = at(local);
-                Some((face as u8, local, old.face_nodes(face).iter().map(|&node| (node, values[node])).collect()))
+                let around = old.face_nodes(face).iter().map(|&node| (node, values[node])).collect();
+                Some(NewCentre { face: face as u8, local, around })
             })
             .collect();
         let inner = (0..new.num_nodes())
-            .filter(|local| !kept.contains(local) && faces.iter().all(|(_, of_face, _)| of_face != local))
+            .filter(|local| !kept.contains(local) && faces.iter().all(|face| face.local != *local))
             .map(|local| (local, at(local)))
             .collect();
         Self { old, new, kept, faces, inner }

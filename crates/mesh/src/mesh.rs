@@ -257,7 +257,8 @@ impl Mesh {
     /// first such pair; `None` if there is none.
     pub fn unmatched_faces(&self) -> Option<[Facet; 2]> {
         let families = self.families();
-        let has_face = |corners| families.iter().any(|kind| kind.faces.iter().any(|face| face.kind.num_corners() == corners));
+        let has_face =
+            |corners| families.iter().any(|kind| kind.faces.iter().any(|face| face.kind.num_corners() == corners));
         if !(has_face(3) && has_face(4)) {
             return None;
         }

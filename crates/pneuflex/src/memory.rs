@@ -225,6 +225,7 @@ mod tests {
             (full(), Formulation::Hex20, 1.0, 878_504.0),
             (two(), Formulation::Hex27, 1.0, 373_344.0),
             (two(), Formulation::Tet15, 1.0, 823_300.0),
+            (two(), Formulation::Wedge21, 1.0, 494_416.0),
         ] {
             let mesh = MeshOptions::uniform(h, element);
             let ratio = Estimate::of(&case(actuator, mesh)).bytes / (1024.0 * kibibytes);

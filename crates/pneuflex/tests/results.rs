@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use pneuflex::mesh::lattice::Lattice;
 use pneuflex::mesh::testing::{angle, mixed};
 use pneuflex::mesh::{ElementKind, Mesh};
-use pneuflex::mesh::lattice::Lattice;
 use pneuflex::model::{Formulation, Law, Material};
 use pneuflex::post::summary::StepSummary;
 use pneuflex::report_page::report_page;
@@ -167,7 +167,9 @@ fn bodies_whose_elements_do_not_fit_together_are_refused() {
     let torn = mixed(&block(ElementKind::Hex27), &block(ElementKind::Tet15), |x| x[0] < 1.0);
     assert!(refused(torn).contains("meet with a quadrilateral on a triangle, at [1.0, "));
     let of_two_orders = mixed(&block(ElementKind::Hex8), &block(ElementKind::Wedge21), |x| x[0] < 1.0);
-    assert!(refused(of_two_orders).contains("hexahedra with 8 nodes and wedges with 21 nodes cannot be solved as hex27"));
+    assert!(
+        refused(of_two_orders).contains("hexahedra with 8 nodes and wedges with 21 nodes cannot be solved as hex27")
+    );
     // Elements of one kind may be chosen, those of several not.
     let mut body = Body::of_mesh(Formulation::Hex27, angle(1)).unwrap();
     body.name_nodes("root", |[x, _, _]| x == 0.0).hold("root", "xyz").times([1.0]);

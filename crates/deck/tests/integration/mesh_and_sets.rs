@@ -179,7 +179,8 @@ fn faces_that_do_not_match_are_refused_with_their_place() {
     let torn = THREE.replace("3, 6, 10, 7, 11", "3, 5, 6, 7, 11");
     let found = errors(&format!("{torn}{MATERIAL}{STEP}"));
     assert!(
-        found[0].contains("elements 1 and 3 meet near (0.500000, 0.500000, 1.000000) with a quadrilateral on a triangle"),
+        found[0]
+            .contains("elements 1 and 3 meet near (0.500000, 0.500000, 1.000000) with a quadrilateral on a triangle"),
         "{found:?}"
     );
     // A face that a wedge does not have.
@@ -203,7 +204,8 @@ fn linear_elements_take_the_mid_edge_nodes_of_quadratic_neighbours() {
     assert!(mesh.unmatched_faces().is_none());
     let expected: f64 = 1.5;
     assert!((mesh.volume() - expected).abs() < 1e-12, "{}", mesh.volume());
-    let of_face = [mesh.element(0), mesh.element(1)].map(|nodes| nodes.iter().filter(|&&n| mesh.nodes[n as usize][0] == 1.1).count());
+    let of_face = [mesh.element(0), mesh.element(1)]
+        .map(|nodes| nodes.iter().filter(|&&n| mesh.nodes[n as usize][0] == 1.1).count());
     assert_eq!(of_face, [2, 2]);
 }
 
