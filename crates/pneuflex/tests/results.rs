@@ -153,8 +153,10 @@ fn hexahedra_wedges_and_tetrahedra_are_one_body() {
         [state.probes["end"][2], state.probes["end"][0], force, state.strain_energy_mj]
     });
     assert!(expected[0] > 0.1 && expected[2].abs() > 1e-3, "{expected:?}");
-    let close = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 0.01;
-    assert!(found.iter().zip(&expected).all(close), "{found:?} {expected:?}");
+    // The force is that of an edge which is some micrometres deep in the plane, behind a stiff penalty.
+    let bounds = [1e-3, 1e-2, 3e-2, 1e-3];
+    let error = |i: usize| (found[i] / expected[i] - 1.0).abs();
+    assert!((0..4).all(|i| error(i) < bounds[i]), "{found:?} {expected:?}");
 }
 
 #[test]
