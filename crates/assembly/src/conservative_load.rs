@@ -1,6 +1,6 @@
 //! Nodal forces of loads that keep their direction and size, whatever the body does.
 
-use pneuflex_mesh::{Facet, Mesh, mesh::determinant, shape};
+use pneuflex_mesh::{Facet, Mesh, PerFaceKind, mesh::determinant, shape};
 use pneuflex_model::load::Load;
 use pneuflex_model::{Curve, LoadParameter, Problem};
 
@@ -78,11 +78,12 @@ fn forces_of(problem: &Problem, load: &Load) -> Option<(Vec<[f64; 3]>, Curve)> {
 /// ∫ N_a t dA over faces at rest for a traction t, N, one entry per node.
 pub fn traction_forces(mesh: &Mesh, facets: &[Facet], traction: [f64; 3]) -> Vec<[f64; 3]> {
     let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
-    let kind = mesh.surface_kind(facets);
-    let rule: Vec<_> = (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect();
+    let rules = PerFaceKind::new(|kind| {
+        (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect::<Vec<_>>()
+    });
     for &facet in facets {
         let nodes = mesh.facet_nodes(facet);
-        for (shape, weight) in &rule {
+        for (shape, weight) in &rules[mesh.face_kind(facet)] {
             let mut tangents = [[0.0; 3]; 2];
             for (&node, gradient) in nodes.iter().zip(&shape.gradients) {
                 for k in 0..3 {
@@ -109,10 +110,11 @@ pub fn weight_forces(
     acceleration: [f64; 3],
 ) -> Vec<[f64; 3]> {
     let mut forces = vec![[0.0; 3]; mesh.num_nodes()];
-    let rule: Vec<_> =
-        (mesh.kind.volume_rule)().into_iter().map(|(xi, w)| (shape::tabulate(mesh.kind, xi), w)).collect();
+    let rules = mesh.per_kind(|kind| {
+        (kind.volume_rule)().into_iter().map(|(xi, w)| (shape::tabulate(kind, xi), w)).collect::<Vec<_>>()
+    });
     for element in elements {
-        for ((values, gradients), weight) in &rule {
+        for ((values, gradients), weight) in &rules[mesh.kind_of(element as usize)] {
             let volume = weight * determinant(&mesh.jacobian(element as usize, gradients));
             for (&node, value) in mesh.element(element as usize).iter().zip(values) {
                 add_scaled(&mut forces[node as usize], density(element) * volume * value, acceleration);

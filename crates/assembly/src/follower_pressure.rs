@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_mesh::{Facet, Mesh, shape, shape::FaceShape};
+use pneuflex_mesh::{FaceKind, Facet, Mesh, PerFaceKind, shape, shape::FaceShape};
 use pneuflex_model::Pressure;
 
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
@@ -24,22 +24,21 @@ pub struct FollowerPressure {
     /// Coordinate y of the plane that the volume is measured from, mm: that of a plane of symmetry y = const that cuts the cavity.
     pub plane_y: f64,
     mesh: Arc<Mesh>,
-    faces: Vec<u32>,
-    nodes_per_face: usize,
-    rule: Vec<(FaceShape, f64)>,
+    faces: Vec<(FaceKind, Vec<u32>)>,
+    rules: PerFaceKind<Vec<(FaceShape, f64)>>,
 }
 
 impl FollowerPressure {
     /// The given facets of a mesh, at zero pressure.
     pub fn new(mesh: impl Into<Arc<Mesh>>, facets: &[Facet]) -> Self {
         let mesh = mesh.into();
-        let kind = mesh.surface_kind(facets);
         Self {
             pressure: Pressure::default(),
             plane_y: 0.0,
-            faces: facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect(),
-            nodes_per_face: kind.num_nodes(),
-            rule: (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect(),
+            faces: facets.iter().map(|&facet| (mesh.face_kind(facet), mesh.facet_nodes(facet))).collect(),
+            rules: PerFaceKind::new(|kind| {
+                (kind.rule)().into_iter().map(|(xi, w)| (shape::evaluate_face(kind, xi), w)).collect()
+            }),
             mesh,
         }
     }
@@ -54,7 +53,7 @@ impl FollowerPressure {
     pub fn forces_of_unit_pressure(&self, displacement: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; displacement.len()];
         for face in 0..self.num_blocks() {
-            for (shape, weight) in &self.rule {
+            for (shape, weight) in self.rule(face) {
                 let (_, tangents) = self.geometry(face, displacement, shape);
                 let normal = cross(&tangents);
                 for (&node, value) in self.nodes(face).iter().zip(&shape.values) {
@@ -67,9 +66,14 @@ impl FollowerPressure {
         forces
     }
 
+    /// Shape functions and weights at the integration points of a face.
+    fn rule(&self, face: usize) -> &[(FaceShape, f64)] {
+        &self.rules[self.faces[face].0]
+    }
+
     fn face_volume(&self, face: usize, displacement: &[[f64; 3]]) -> f64 {
         let mut volume = 0.0;
-        for (shape, weight) in &self.rule {
+        for (shape, weight) in self.rule(face) {
             let (position, tangents) = self.geometry(face, displacement, shape);
             let n_y = tangents[0][2] * tangents[1][0] - tangents[0][0] * tangents[1][2];
             volume -= weight * (position[1] - self.plane_y) * n_y;
@@ -93,11 +97,11 @@ impl FollowerPressure {
 
 impl LocalContribution for FollowerPressure {
     fn num_blocks(&self) -> usize {
-        self.faces.len() / self.nodes_per_face
+        self.faces.len()
     }
 
     fn nodes(&self, block: usize) -> &[u32] {
-        &self.faces[block * self.nodes_per_face..(block + 1) * self.nodes_per_face]
+        &self.faces[block].1
     }
 
     fn evaluate(
@@ -111,7 +115,7 @@ impl LocalContribution for FollowerPressure {
         if request == Request::Energy {
             return Ok(());
         }
-        for (shape, weight) in &self.rule {
+        for (shape, weight) in self.rule(block) {
             let (_, tangents) = self.geometry(block, displacement, shape);
             let [t1, t2] = tangents;
             let load = self.pressure.mpa() * weight;
@@ -123,7 +127,7 @@ impl LocalContribution for FollowerPressure {
             }
             if request == Request::Tangent {
                 let mut pair = 0;
-                for a in 0..self.nodes_per_face {
+                for a in 0..self.faces[block].1.len() {
                     for b in 0..=a {
                         // Symmetric part of N_a (N_b,η [r_ξ]ₓ − N_b,ξ [r_η]ₓ).
                         let (na, nb) = (shape.values[a], shape.values[b]);

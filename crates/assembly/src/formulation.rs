@@ -8,6 +8,7 @@
 //! | `hex27` | 3 × 3 × 3 | 3 × 3 × 3 | 1, ξ, η, ζ |
 //! | `tet10` | 4 (degree 2) | 8 (degree 3) | 1 |
 //! | `tet15` | 14 (degree 5) | 14 | 1, ξ, η, ζ |
+//! | `wedge21` | 7 × 3 (degree 5) | 7 × 3 | 1, ξ, η, ζ |
 //!
 //! All have the volumetric energy ½ κ θᵀ M⁻¹ θ with θᵢ = ∫ ψᵢ (J − 1) dV and Mᵢⱼ = ∫ ψᵢ ψⱼ dV; for one mode that is
 //! ½ κ (J̄ − 1)² V.
@@ -30,7 +31,8 @@
 //!
 //! det ∂r/∂ξ is a cubic: the eight points integrate θ exactly, also on curved elements.
 //!
-//! `tet15` has the bubbles that P2 lacks, in faces and cells, and a linear pressure: it is inf-sup stable.
+//! `tet15` has the bubbles that P2 lacks, in faces and cells, and a linear pressure: it is inf-sup stable. So is `wedge21`, the triangle with
+//! its bubble times a line, and bodies of `hex27`, `wedge21` and `tet15`.
 //!
 //! # Full invariant
 //!

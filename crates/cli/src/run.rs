@@ -104,7 +104,7 @@ fn announce(analysis: &Analysis, folder: &OutputFolder, progress: &Progress) {
         analysis.path.display(),
         size[0],
         size[1],
-        problem.formulation,
+        problem.element_names(),
         size[2],
     ));
     let place = folder.path().display();

@@ -25,9 +25,8 @@ const FAR: f64 = 0.02;
 /// The corners of a surface's faces with what they average over.
 #[derive(Clone, Debug)]
 pub struct Averaging {
-    kind: FaceKind,
     /// Numbers of every face's corners among the surface's.
-    of_face: Vec<[usize; 4]>,
+    of_face: Vec<(FaceKind, [usize; 4])>,
     /// W, mm².
     weights: Vec<f64>,
     /// c, mm.
@@ -62,11 +61,11 @@ impl Bounded {
 impl Averaging {
     /// Of a surface with nodes at rest at `nodes`; areas are multiplied by `share`.
     pub fn of(surface: &Surface, nodes: &[[f64; 3]], share: f64) -> Self {
-        let kind = surface.kind;
         let mut numbers: BTreeMap<u32, usize> = BTreeMap::new();
         let mut of_face = Vec::with_capacity(surface.num_faces());
         let (mut weights, mut sizes): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
         for face in 0..surface.num_faces() {
+            let kind = surface.kind(face);
             let mut corners = [0; 4];
             for (corner, &node) in corners.iter_mut().zip(&surface.face(face)[..kind.num_corners()]) {
                 *corner = *numbers.entry(node).or_insert_with(|| {
@@ -90,10 +89,10 @@ impl Averaging {
             for &corner in &corners[..kind.num_corners()] {
                 sizes[corner] = [sizes[corner][0] + area * size, sizes[corner][1] + area];
             }
-            of_face.push(corners);
+            of_face.push((kind, corners));
         }
         let bounds = sizes.iter().map(|[sum, area]| FAR * sum / area).collect();
-        Self { kind, of_face, weights, bounds }
+        Self { of_face, weights, bounds }
     }
 
     /// Number of corners.
@@ -123,8 +122,8 @@ impl Averaging {
 
     /// Corners of a face with their functions at a point of it.
     pub fn shares(&self, face: usize, xi: [f64; 2]) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let values = corner_functions(self.kind, xi);
-        self.of_face[face].into_iter().zip(values).take(self.kind.num_corners())
+        let (kind, corners) = self.of_face[face];
+        corners.into_iter().zip(corner_functions(kind, xi)).take(kind.num_corners())
     }
 }
 

@@ -1,9 +1,7 @@
 //! The search without boxes, tree, order, slabs and cones: the permanent check of the one that has them.
 
-use pneuflex_mesh::shape;
-
 use crate::model::ContactModel;
-use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, face_geometry, project, unit_normal};
+use crate::projection::{EDGE_TOLERANCE, EXTENSION, Projection, project, unit_normal};
 use crate::self_contact::{SlavePoint, are_neighbours, blocks, counts, covers};
 use crate::surface::Surface;
 
@@ -24,13 +22,10 @@ pub struct Foot {
 pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -> Vec<Foot> {
     let surface_pair = model.surface_pair(surface_pair);
     let (slave, master) = (&surface_pair.slave, &surface_pair.master);
-    let n = slave.kind.num_nodes();
-    let on = |surface: &Surface, face: usize, xi, at: &[[f64; 3]]| {
-        face_geometry(&surface.face_positions(face, at)[..n], &shape::evaluate_face(surface.kind, xi))
-    };
+    let on = |surface: &Surface, face: usize, xi, at: &[[f64; 3]]| surface.geometry(face, xi, at);
     let mut found = Vec::new();
     for slave_face in 0..slave.num_faces() {
-        for (index, &(xi, _)) in surface_pair.rule.iter().enumerate() {
+        for (index, &(xi, _)) in surface_pair.points.rule(slave.kind(slave_face)).iter().enumerate() {
             let [now, at_rest] = [positions, model.rest()].map(|at| on(slave, slave_face, xi, at));
             let point = SlavePoint {
                 at_rest: at_rest.position,
@@ -40,7 +35,9 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
             let is_another = |m: usize| !surface_pair.is_self_contact || slave.face(slave_face) != master.face(m);
             let is_neighbour = |m: usize| are_neighbours(slave.face(slave_face), master.face(m));
             let foot_on = |m: usize| {
-                project(master.kind, &master.face_positions(m, positions)[..n], now.position).map(|foot| (m, foot))
+                let kind = master.kind(m);
+                let nodes = &master.face_positions(m, positions)[..kind.num_nodes()];
+                project(kind, nodes, now.position).map(|foot| (m, foot))
             };
             let all: Vec<(usize, Projection)> =
                 (0..master.num_faces()).filter(|&m| is_another(m)).filter_map(foot_on).collect();
@@ -66,7 +63,7 @@ pub fn feet(model: &ContactModel, surface_pair: usize, positions: &[[f64; 3]]) -
             let is_far_side = surface_pair.is_self_contact
                 && all.iter().any(|(m, foot)| !is_neighbour(*m) && blocks(point.normal, foot, depth));
             if depth > 0.0 && depth <= surface_pair.reach && !is_far_side {
-                let number = surface_pair.first_point + slave_face * surface_pair.rule.len() + index;
+                let number = surface_pair.first_point + surface_pair.points.of_face(slave_face).start + index;
                 found.push(Foot { slave_face, number, master_face, projection });
             }
         }

@@ -12,8 +12,8 @@ use crate::obstacle::{Distance, distance};
 use crate::overlap::Overlap;
 use crate::projection::{dot, face_geometry, sub};
 use crate::search::TOUCHING;
-use crate::surface::Surface;
-use crate::surface_pair::{SurfacePair, point_areas};
+use crate::surface::{FacePoints, Surface};
+use crate::surface_pair::SurfacePair;
 
 /// A point is deep inside of an obstacle beyond this share of the obstacle's greatest depth.
 const DEEP_INSIDE: f64 = 0.5;
@@ -53,8 +53,7 @@ pub(crate) struct Rigid {
     pub(crate) surface: Surface,
     /// Where it is now, from where it was at rest, mm.
     pub(crate) offset: [f64; 3],
-    pub(crate) rule: Vec<([f64; 2], f64)>,
-    pub(crate) areas: Vec<f64>,
+    pub(crate) points: FacePoints,
     pub(crate) first_point: usize,
     /// How deep points may be at requested loads, mm; `None` for any depth.
     pub(crate) tolerance: Option<f64>,
@@ -98,12 +97,11 @@ impl ContactModel {
     pub fn with_obstacles(mut self, obstacles: &[Obstacle], contact: &Contact) -> Self {
         for obstacle in obstacles {
             let surface = Surface::new(&self.mesh, &obstacle.facets);
-            let rule = surface.kind.contact_rule();
-            let areas = point_areas(&surface, &rule, &self.mesh.nodes, 1.0);
+            let points = FacePoints::of(&surface, |kind| kind.contact_rule(), &self.mesh.nodes, 1.0);
             let (first_point, offset) = (self.num_points(), obstacle.offset(LoadParameter::default()));
             let tolerance = obstacle.penetration_tolerance.or(contact.penetration_tolerance);
             let obstacle = obstacle.clone();
-            self.obstacles.push(Rigid { obstacle, surface, offset, rule, areas, first_point, tolerance });
+            self.obstacles.push(Rigid { obstacle, surface, offset, points, first_point, tolerance });
         }
         self
     }
@@ -129,7 +127,7 @@ impl ContactModel {
             keep(pair.first_point, pair.num_points(), pair.stiffness);
         }
         for rigid in &self.obstacles {
-            keep(rigid.first_point, rigid.areas.len(), rigid.obstacle.stiffness);
+            keep(rigid.first_point, rigid.points.areas.len(), rigid.obstacle.stiffness);
         }
         kept
     }
@@ -149,14 +147,14 @@ impl ContactModel {
         [before, after]: [&[[f64; 3]]; 2],
     ) -> Option<&Obstacle> {
         let passes = |rigid: &&Rigid| {
-            let Rigid { obstacle, surface, rule, .. } = rigid;
+            let Rigid { obstacle, surface, points, .. } = rigid;
             let deep = DEEP_INSIDE * obstacle.shape.greatest_depth();
             let ends = [(before, obstacle.offset(from)), (after, obstacle.offset(to))];
-            let kind = surface.kind;
             deep.is_finite()
                 && (0..surface.num_faces()).any(|face| {
+                    let kind = surface.kind(face);
                     let nodes = ends.map(|(positions, _)| surface.face_positions(face, positions));
-                    rule.iter().any(|&(xi, _)| {
+                    points.rule(kind).iter().any(|&(xi, _)| {
                         let shape = shape::evaluate_face(kind, xi);
                         let seen = |end: usize| -> [f64; 3] {
                             let x = face_geometry(&nodes[end][..kind.num_nodes()], &shape).position;
@@ -224,7 +222,7 @@ impl ContactModel {
     /// Number of slave points of all surface pairs and obstacles; where gaps are averaged, corners are the points.
     pub fn num_points(&self) -> usize {
         match (self.obstacles.last(), self.surface_pairs.last()) {
-            (Some(rigid), _) => rigid.first_point + rigid.areas.len(),
+            (Some(rigid), _) => rigid.first_point + rigid.points.areas.len(),
             (None, Some(surface_pair)) => surface_pair.first_point + surface_pair.num_points(),
             (None, None) => 0,
         }
@@ -257,7 +255,7 @@ impl ContactModel {
     /// How deep every point may be at requested loads, mm; infinite where any depth will do.
     pub fn tolerances(&self) -> Vec<f64> {
         let of_pairs = self.surface_pairs.iter().map(|pair| (pair.num_points(), pair.tolerance));
-        let of_obstacles = self.obstacles.iter().map(|rigid| (rigid.areas.len(), rigid.tolerance));
+        let of_obstacles = self.obstacles.iter().map(|rigid| (rigid.points.areas.len(), rigid.tolerance));
         let each = of_pairs.chain(of_obstacles);
         each.flat_map(|(count, tolerance)| std::iter::repeat_n(tolerance.unwrap_or(f64::INFINITY), count)).collect()
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use pneuflex_mesh::face::FaceShape;
-use pneuflex_mesh::{FaceKind, shape};
+use pneuflex_mesh::{FaceKind, PerFaceKind, shape};
 
 use crate::broad_phase::{Bounds, FaceTree, join, overlap};
 use crate::contact_block::{ContactBlock, ContactPoint, Partner};
@@ -25,19 +25,18 @@ pub fn single_blocks(
     margin: f64,
 ) -> Vec<ContactBlock> {
     let surface_pair = model.surface_pair(number);
-    let (slave, master, kind) = (&surface_pair.slave, &surface_pair.master, surface_pair.slave.kind);
-    let shape = shape::evaluate_face(kind, kind.centre());
+    let (slave, master) = (&surface_pair.slave, &surface_pair.master);
     let mut blocks = Vec::new();
     for face in faces.start..faces.end.min(master.num_faces()) {
-        let s = face_geometry(&slave.face_positions(face, positions)[..kind.num_nodes()], &shape);
-        let m = face_geometry(&master.face_positions(face, positions)[..kind.num_nodes()], &shape);
+        let [on_slave, on_master] = [slave, master].map(|surface| surface.kind(face).centre());
+        let (s, m) = (slave.geometry(face, on_slave, positions), master.geometry(face, on_master, positions));
         let distance = dot(sub(s.position, m.position), unit_normal(&m.tangents).0);
         let shift = model.shift(surface_pair.first_point + face, surface_pair.stiffness);
         if distance < margin + shift + kept_at(kept, surface_pair.first_point + face) {
             let point = ContactPoint {
-                slave_xi: kind.centre(),
-                area: surface_pair.areas[face],
-                master_xi: kind.centre(),
+                slave_xi: on_slave,
+                area: surface_pair.points.areas[face],
+                master_xi: on_master,
                 distance,
                 shift,
                 number: surface_pair.first_point + face,
@@ -113,13 +112,15 @@ impl<'a> Facing<'a> {
 
     /// The points of some slave faces that are near enough to their feet, grouped by master face.
     pub fn blocks(&self, model: &ContactModel, number: usize, faces: Range<usize>) -> Vec<ContactBlock> {
-        let SurfacePair { slave, areas, rule, reach, stiffness, first_point, averaging, .. } = self.surface_pair;
-        let kind = slave.kind;
-        let shapes: Vec<_> = rule.iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect();
+        let SurfacePair { slave, points, reach, stiffness, first_point, averaging, .. } = self.surface_pair;
+        let shapes = PerFaceKind::new(|kind| {
+            points.rule(kind).iter().map(|&(xi, _)| shape::evaluate_face(kind, xi)).collect::<Vec<_>>()
+        });
         let mut samples: Vec<(Sample, FaceShape)> = Vec::new();
         let mut blocks: Vec<ContactBlock> = Vec::new();
         let (mut near, mut candidates, mut order) = (Vec::new(), Vec::new(), Vec::new());
         for face in faces {
+            let kind = slave.kind(face);
             let bounds = slave.bounding_box(face, self.positions);
             self.tree.overlapping(&self.boxes, &bounds, *reach, &mut near);
             candidates.clear();
@@ -127,11 +128,12 @@ impl<'a> Facing<'a> {
             let nodes = &nodes[..kind.num_nodes()];
             let counted = |m: usize| self.is_candidate(face, m) && !self.is_across(face, nodes, m);
             candidates.extend(near.iter().copied().filter(|&m| counted(m)));
-            let first = first_point + face * rule.len();
+            let own = points.of_face(face);
+            let first = first_point + own.start;
             let room = |i: usize| {
                 if averaging.is_some() { 0.0 } else { model.shift(i, *stiffness) + kept_at(self.kept, i) }
             };
-            let most_room = (first..first + rule.len()).map(room).fold(0.0, f64::max);
+            let most_room = (first..first + own.len()).map(room).fold(0.0, f64::max);
             // Far from contact, most faces are told apart without a projection.
             if candidates.iter().all(|&m| self.slabs[m].is_clear(kind, nodes, self.margin + most_room)) {
                 continue;
@@ -142,8 +144,9 @@ impl<'a> Facing<'a> {
                 let own = self.surface_pair.samples[face].iter();
                 samples.extend(own.map(|&sample| (sample, shape::evaluate_face(kind, sample.xi))));
             } else {
-                let own = rule.iter().zip(&areas[face * rule.len()..]).map(|(&(xi, _), &area)| Sample { xi, area });
-                samples.extend(own.zip(shapes.iter().copied()));
+                let of_rule = points.rule(kind).iter().zip(&points.areas[own]);
+                let of_rule = of_rule.map(|(&(xi, _), &area)| Sample { xi, area });
+                samples.extend(of_rule.zip(shapes[kind].iter().copied()));
             }
             for (index, (sample, shape)) in samples.iter().enumerate() {
                 let geometry = face_geometry(nodes, shape);
@@ -187,15 +190,15 @@ impl<'a> Facing<'a> {
     /// Integration points of a slave face, cut along the edges of the master's faces that are not clear of it.
     pub fn cut(&self, face: usize) -> Vec<Sample> {
         let SurfacePair { slave, master, share, reach, .. } = self.surface_pair;
-        let kind = slave.kind;
+        let kind = slave.kind(face);
         let nodes = &slave.face_positions(face, self.positions)[..kind.num_nodes()];
         let mut near = Vec::new();
         self.tree.overlapping(&self.boxes, &slave.bounding_box(face, self.positions), *reach, &mut near);
-        let opposite: Vec<[[f64; 3]; 9]> = (near.into_iter())
+        let opposite: Vec<(usize, [[f64; 3]; 9])> = (near.into_iter())
             .filter(|&m| self.is_candidate(face, m) && !self.slabs[m].is_clear(kind, nodes, self.margin))
-            .map(|m| master.face_positions(m, self.positions))
+            .map(|m| (master.kind(m).num_corners(), master.face_positions(m, self.positions)))
             .collect();
-        let corners: Vec<&[[f64; 3]]> = opposite.iter().map(|nodes| &nodes[..master.kind.num_corners()]).collect();
+        let corners: Vec<&[[f64; 3]]> = opposite.iter().map(|(corners, nodes)| &nodes[..*corners]).collect();
         let at_rest = slave.face_positions(face, self.rest);
         samples(kind, [nodes, &at_rest[..kind.num_nodes()]], &corners, *share)
     }
@@ -212,7 +215,7 @@ impl<'a> Facing<'a> {
         else {
             return false;
         };
-        let depth = self.slabs[master_face].depth(self.surface_pair.slave.kind, slave);
+        let depth = self.slabs[master_face].depth(self.surface_pair.slave.kind(slave_face), slave);
         masters[master_face].is_narrow() && is_across(&slaves_at_rest[slave_face], &masters_at_rest[master_face], depth)
     }
 
@@ -250,7 +253,8 @@ impl<'a> Facing<'a> {
 
     fn project(&self, face: usize, point: [f64; 3]) -> Option<Projection> {
         let master = &self.surface_pair.master;
-        project(master.kind, &master.face_positions(face, self.positions)[..master.kind.num_nodes()], point)
+        let kind = master.kind(face);
+        project(kind, &master.face_positions(face, self.positions)[..kind.num_nodes()], point)
     }
 
     /// The foot that counts: the nearest one inside a face; failing that, the nearest one on a slightly continued face.
@@ -292,9 +296,7 @@ impl<'a> Facing<'a> {
 
     /// Position of a foot at rest.
     fn at_rest(&self, face: usize, foot: &Projection) -> [f64; 3] {
-        let master = &self.surface_pair.master;
-        let nodes = &master.face_positions(face, self.rest)[..master.kind.num_nodes()];
-        face_geometry(nodes, &shape::evaluate_face(master.kind, foot.xi)).position
+        self.surface_pair.master.geometry(face, foot.xi, self.rest).position
     }
 }
 
@@ -310,7 +312,7 @@ struct Slab {
 
 impl Slab {
     fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
-        let kind = surface.kind;
+        let kind = surface.kind(face);
         let nodes = &surface.face_positions(face, positions)[..kind.num_nodes()];
         let normal = unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, kind.centre())).tangents).0;
         let [low, high] = extent(nodes, normal);
@@ -348,6 +350,6 @@ fn distance_to_box(point: [f64; 3], bounds: &Bounds) -> f64 {
 fn grown_box(surface: &Surface, face: usize, positions: &[[f64; 3]], room: f64) -> Bounds {
     let [low, high] = surface.bounding_box(face, positions);
     let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
-    let share = if surface.kind.is_linear() { room } else { 2.5 * room };
+    let share = if surface.kind(face).is_linear() { room } else { 2.5 * room };
     [low.map(|x| x - share * size), high.map(|x| x + share * size)]
 }

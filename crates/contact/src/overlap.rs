@@ -35,7 +35,7 @@ impl ContactModel {
         let of_pairs =
             self.surface_pairs.iter().map(|pair| (pair.first_point, pair.num_points(), pair.interference_until));
         let of_obstacles = (self.obstacles.iter())
-            .map(|rigid| (rigid.first_point, rigid.areas.len(), rigid.obstacle.interference_until));
+            .map(|rigid| (rigid.first_point, rigid.points.areas.len(), rigid.obstacle.interference_until));
         let meant: Vec<(usize, usize, LoadParameter)> =
             (of_pairs.chain(of_obstacles)).filter_map(|(first, count, until)| Some((first, count, until?))).collect();
         if meant.is_empty() {

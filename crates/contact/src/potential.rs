@@ -134,8 +134,9 @@ pub(crate) fn distance_gradient(
 
 /// A slave point and its partner on the master, with all that the distance depends on.
 struct Pairing {
-    /// Nodes per face.
-    n: usize,
+    /// Nodes of the slave face, and of both.
+    own: usize,
+    all: usize,
     /// Coefficients with which the block's nodes enter r_s − r_m: N on the slave, −N on the master.
     coefficients: [f64; MAX_NODES],
     /// Shape functions of the master face at the partner.
@@ -158,18 +159,27 @@ impl Pairing {
         positions: &[[f64; 3]],
     ) -> Self {
         let SurfacePair { slave, master, .. } = surface_pair;
-        let (kind, n) = (slave.kind, slave.kind.num_nodes());
-        let slave_shape = shape::evaluate_face(kind, point.slave_xi);
+        let (slave_kind, kind) = (slave.kind(block.slave_face), master.kind(face));
+        let (own, of_master) = (slave_kind.num_nodes(), kind.num_nodes());
+        let slave_shape = shape::evaluate_face(slave_kind, point.slave_xi);
         let shape = shape::evaluate_face(kind, point.master_xi);
-        let slave_point = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &slave_shape).position;
-        let master = face_geometry(&master.face_positions(face, positions)[..n], &shape);
+        let slave_nodes = slave.face_positions(block.slave_face, positions);
+        let slave_point = face_geometry(&slave_nodes[..own], &slave_shape).position;
+        let master = face_geometry(&master.face_positions(face, positions)[..of_master], &shape);
         let mut coefficients = [0.0; MAX_NODES];
-        for i in 0..n {
-            coefficients[i] = slave_shape.values[i];
-            coefficients[n + i] = -shape.values[i];
-        }
+        coefficients[..own].copy_from_slice(&slave_shape.values[..own]);
+        coefficients[own..].iter_mut().zip(&shape.values[..of_master]).for_each(|(c, value)| *c = -value);
         let (normal, length) = unit_normal(&master.tangents);
-        Self { n, coefficients, shape, gap: sub(slave_point, master.position), master, normal, length }
+        Self {
+            own,
+            all: own + of_master,
+            coefficients,
+            shape,
+            gap: sub(slave_point, master.position),
+            master,
+            normal,
+            length,
+        }
     }
 }
 
@@ -203,7 +213,8 @@ fn obstacle_point(
     out: &mut DistanceDerivatives,
 ) {
     let slave = model.slave(block.partner);
-    let (n, shape) = (slave.kind.num_nodes(), shape::evaluate_face(slave.kind, point.slave_xi));
+    let kind = slave.kind(block.slave_face);
+    let (n, shape) = (kind.num_nodes(), shape::evaluate_face(kind, point.slave_xi));
     let position = face_geometry(&slave.face_positions(block.slave_face, positions)[..n], &shape).position;
     let distance = model.distance_to_obstacle(number, position);
     out.distance = distance.value;
@@ -223,11 +234,11 @@ fn obstacle_point(
 
 /// Derivatives of d = (r_s − r_m)·n for a partner that stays the closest point.
 fn sliding_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
-    let Pairing { n, coefficients, shape: shape_m, master: m, gap, normal, .. } = pairing;
-    let (n, normal) = (*n, *normal);
+    let Pairing { own, all, coefficients, shape: shape_m, master: m, gap, normal, .. } = pairing;
+    let (own, all, normal) = (*own, *all, *normal);
     let d = dot(*gap, normal);
     out.distance = d;
-    for (i, c) in coefficients[..2 * n].iter().enumerate() {
+    for (i, c) in coefficients[..all].iter().enumerate() {
         for k in 0..3 {
             out.gradient[3 * i + k] = c * normal[k];
         }
@@ -242,18 +253,18 @@ fn sliding_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
     let inverse_metric = inverse_symmetric(metric);
     let inverse_a = inverse_symmetric(std::array::from_fn(|i| metric[i] - d * b[i]));
 
-    let dofs = 6 * n;
+    let dofs = 3 * all;
     let mut g = [[0.0; MAX_DOFS]; 2];
     let mut t = [[0.0; MAX_DOFS]; 2];
     for alpha in 0..2 {
-        for i in 0..2 * n {
+        for i in 0..all {
             for k in 0..3 {
                 g[alpha][3 * i + k] = coefficients[i] * m.tangents[alpha][k];
             }
         }
-        for i in 0..n {
+        for i in 0..all - own {
             for k in 0..3 {
-                t[alpha][3 * (n + i) + k] = shape_m.gradients[i][alpha] * normal[k];
+                t[alpha][3 * (own + i) + k] = shape_m.gradients[i][alpha] * normal[k];
             }
         }
     }
@@ -277,27 +288,27 @@ fn sliding_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
 
 /// Derivatives of d = (r_s − r_m)·n at fixed reference points, n = c/‖c‖, c = r_ξ × r_η of the master face.
 fn fixed_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
-    let Pairing { n, coefficients, shape: shape_m, master: m, gap, normal, length } = pairing;
-    let (n, normal, length) = (*n, *normal, *length);
+    let Pairing { own, all, coefficients, shape: shape_m, master: m, gap, normal, length } = pairing;
+    let (own, all, normal, length) = (*own, *all, *normal, *length);
     let d = dot(*gap, normal);
     // Part of the gap in the tangent plane.
     let tangential: [f64; 3] = std::array::from_fn(|k| gap[k] - d * normal[k]);
-    let dofs = 6 * n;
+    let dofs = 3 * all;
 
     // Per degree of freedom: change of the gap, and of c; axis vectors make both sparse.
     let mut delta_c = [[0.0; 3]; MAX_DOFS];
-    for i in 0..n {
+    for i in 0..all - own {
         for k in 0..3 {
             let mut axis = [0.0; 3];
             axis[k] = 1.0;
             let first = cross(axis, m.tangents[1]);
             let second = cross(m.tangents[0], axis);
-            delta_c[3 * (n + i) + k] =
+            delta_c[3 * (own + i) + k] =
                 std::array::from_fn(|q| shape_m.gradients[i][0] * first[q] + shape_m.gradients[i][1] * second[q]);
         }
     }
     out.distance = d;
-    for i in 0..2 * n {
+    for i in 0..all {
         for k in 0..3 {
             let dof = 3 * i + k;
             out.gradient[dof] = coefficients[i] * normal[k] + dot(tangential, delta_c[dof]) / length;
@@ -325,8 +336,8 @@ fn fixed_point(pairing: &Pairing, out: &mut DistanceDerivatives) {
                 / (length * length);
             value -= d * dot(projected[p], delta_c[q]) / length;
             // t·(δa₁ × Δa₂ + Δa₁ × δa₂)/s
-            if ip >= n && iq >= n && kp != kq {
-                let (gp, gq) = (shape_m.gradients[ip - n], shape_m.gradients[iq - n]);
+            if ip >= own && iq >= own && kp != kq {
+                let (gp, gq) = (shape_m.gradients[ip - own], shape_m.gradients[iq - own]);
                 let (mut u, mut v) = ([0.0; 3], [0.0; 3]);
                 u[kp] = 1.0;
                 v[kq] = 1.0;

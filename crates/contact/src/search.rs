@@ -108,14 +108,15 @@ impl ContactModel {
         face: usize,
         (positions, kept): (&[[f64; 3]], &[f64]),
     ) -> Option<ContactBlock> {
-        let Rigid { obstacle, surface, offset, rule, areas, first_point, .. } = rigid;
-        let kind = surface.kind;
+        let Rigid { obstacle, surface, offset, points, first_point, .. } = rigid;
+        let kind = surface.kind(face);
         let n = kind.num_nodes();
         let nodes = &surface.face_positions(face, positions)[..n];
-        let first = face * rule.len();
+        let own = points.of_face(face);
+        let (first, rule) = (own.start, points.rule(kind));
         let room = |number: usize, shift: f64| shift + kept_at(kept, number);
-        let points = first_point + first..first_point + first + rule.len();
-        let most_room = points.map(|i| room(i, self.shift(i, obstacle.stiffness))).fold(0.0, f64::max);
+        let most_room =
+            own.map(|i| first_point + i).map(|i| room(i, self.shift(i, obstacle.stiffness))).fold(0.0, f64::max);
         // The distance changes by no more than the way one moves.
         let centre: [f64; 3] = std::array::from_fn(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / n as f64);
         let radius = nodes.iter().map(|&x| dot(sub(x, centre), sub(x, centre)).sqrt()).fold(0.0, f64::max);
@@ -127,19 +128,19 @@ impl ContactModel {
             let position = face_geometry(nodes, &shape::evaluate_face(kind, slave_xi)).position;
             let distance = distance(&obstacle.shape, *offset, position).value;
             let number = first_point + first + index;
-            let (shift, area) = (self.shift(number, obstacle.stiffness), areas[first + index]);
+            let (shift, area) = (self.shift(number, obstacle.stiffness), points.areas[first + index]);
             (distance < self.touching + room(number, shift)).then(|| {
                 let point = ContactPoint { slave_xi, area, distance, shift, number, ..ContactPoint::default() };
                 point.with_penalty(obstacle.stiffness)
             })
         });
-        let points: Vec<_> = touching.collect();
+        let touching: Vec<_> = touching.collect();
         let partner = Partner::Obstacle(number);
-        (!points.is_empty()).then(|| ContactBlock {
+        (!touching.is_empty()).then(|| ContactBlock {
             partner,
             slave_face: face,
             nodes: surface.face(face).to_vec(),
-            points,
+            points: touching,
         })
     }
 }

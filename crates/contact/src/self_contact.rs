@@ -58,7 +58,7 @@ const CONE_ROOM: f64 = 0.05;
 impl NormalCone {
     /// The cone of a face's normals, from those at its corners.
     pub fn of(surface: &Surface, face: usize, positions: &[[f64; 3]]) -> Self {
-        let kind = surface.kind;
+        let kind = surface.kind(face);
         let n = kind.num_nodes();
         let nodes = &surface.face_positions(face, positions)[..n];
         let at = |xi| unit_normal(&face_geometry(nodes, &shape::evaluate_face(kind, xi)).tangents).0;
@@ -134,7 +134,7 @@ impl FaceAtRest {
     /// A face at its positions at rest, continued beyond its edges by `extension` of its reference coordinates.
     pub fn of(surface: &Surface, face: usize, rest: &[[f64; 3]], extension: f64) -> Self {
         let [low, high] = surface.bounding_box(face, rest);
-        let room: [f64; 3] = std::array::from_fn(|d| (surface.kind.bulge + 2.0 * extension) * (high[d] - low[d]));
+        let room: [f64; 3] = std::array::from_fn(|d| (surface.kind(face).bulge + 2.0 * extension) * (high[d] - low[d]));
         let bounds = [std::array::from_fn(|d| low[d] - room[d]), std::array::from_fn(|d| high[d] + room[d])];
         Self { cone: NormalCone::of(surface, face, rest), bounds }
     }

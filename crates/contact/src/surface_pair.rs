@@ -1,13 +1,13 @@
 //! One surface's points against another surface: what of it does not change.
 
-use pneuflex_mesh::{Facet, Mesh, shape};
+use pneuflex_mesh::{FaceKind, Facet, Mesh};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, LoadParameter};
 
 use crate::averaging::Averaging;
-use crate::projection::{EXTENSION, dot, face_geometry, sub, unit_normal};
+use crate::projection::{EXTENSION, dot, sub};
 use crate::segments::{Sample, samples};
 use crate::self_contact::{FaceAtRest, share_nodes};
-use crate::surface::Surface;
+use crate::surface::{FacePoints, Surface};
 
 /// Room is made in the tangent for faces that are nearer than this share of their distance at rest, and at least this share of a
 /// face's size where they (nearly) touch at rest.
@@ -31,9 +31,8 @@ pub struct SurfacePair {
     pub master: Surface,
     /// Number of the first point.
     pub(crate) first_point: usize,
-    /// Reference area that every point of every slave face stands for, mm²: half of it where both surfaces are slaves. Empty where gaps are
-    /// averaged.
-    pub(crate) areas: Vec<f64>,
+    /// The points of the slave's faces; the areas are half of what they are where both surfaces are slaves. None where gaps are averaged.
+    pub(crate) points: FacePoints,
     /// Share of the area at rest that points stand for: half where both surfaces are slaves.
     pub(crate) share: f64,
     /// The corners around which gaps are averaged, if they are.
@@ -44,7 +43,6 @@ pub struct SurfacePair {
     pub(crate) tolerance: Option<f64>,
     /// Where an overlap at rest is gone; `None` if there must be none.
     pub(crate) interference_until: Option<LoadParameter>,
-    pub(crate) rule: Vec<([f64; 2], f64)>,
     /// The surfaces belong together, see [`crate::self_contact`].
     pub(crate) is_self_contact: bool,
     /// Of self-contact: the faces of slave and master at rest.
@@ -72,15 +70,14 @@ impl SurfacePair {
         // Of two faces of one surface each is the other's slave.
         let is_shared = pair.is_two_pass || pair.is_self();
         let new = |slave: &[Facet], master: &[Facet], is_reversed: bool, first_point: usize| {
-            let kind = mesh.surface_kind(slave);
-            let rule = match method {
+            let rule = |kind: FaceKind| match method {
                 ContactMethod::SinglePoint => vec![(kind.centre(), kind.reference_area())],
                 ContactMethod::Mortar => Vec::new(),
                 _ => kind.contact_rule(),
             };
             let (slave, master) = (Surface::new(mesh, slave), Surface::new(mesh, master));
             let share = if is_shared { 0.5 } else { 1.0 };
-            let areas = point_areas(&slave, &rule, &mesh.nodes, share);
+            let points = FacePoints::of(&slave, rule, &mesh.nodes, share);
             let averaging = (method == ContactMethod::Mortar).then(|| Averaging::of(&slave, &mesh.nodes, share));
             let samples = averaging.as_ref().map_or_else(Vec::new, |_| uncut(&slave, &mesh.nodes, share));
             let is_self_contact = method != ContactMethod::SinglePoint && share_nodes(&slave, &master);
@@ -100,13 +97,12 @@ impl SurfacePair {
                 slave,
                 master,
                 first_point,
-                areas,
+                points,
                 share,
                 averaging,
                 samples,
                 tolerance: pair.penetration_tolerance.or(contact.penetration_tolerance),
                 interference_until: pair.interference_until,
-                rule,
                 is_self_contact,
                 at_rest,
                 rest_distance,
@@ -127,28 +123,14 @@ impl SurfacePair {
 
     /// Number of slave points, or of corners around which gaps are averaged.
     pub fn num_points(&self) -> usize {
-        self.averaging.as_ref().map_or(self.areas.len(), Averaging::len)
+        self.averaging.as_ref().map_or(self.points.areas.len(), Averaging::len)
     }
-}
-
-/// Reference area of every rule point of every face times `share`, mm².
-pub(crate) fn point_areas(surface: &Surface, rule: &[([f64; 2], f64)], nodes: &[[f64; 3]], share: f64) -> Vec<f64> {
-    let kind = surface.kind;
-    let mut areas = Vec::with_capacity(surface.num_faces() * rule.len());
-    for face in 0..surface.num_faces() {
-        let positions = surface.face_positions(face, nodes);
-        for &(xi, weight) in rule {
-            let geometry = face_geometry(&positions[..kind.num_nodes()], &shape::evaluate_face(kind, xi));
-            areas.push(share * weight * unit_normal(&geometry.tangents).1);
-        }
-    }
-    areas
 }
 
 /// Integration points of every face before anything is near it.
 fn uncut(surface: &Surface, nodes: &[[f64; 3]], share: f64) -> Vec<Vec<Sample>> {
-    let kind = surface.kind;
     let of_face = |face| {
+        let kind = surface.kind(face);
         let positions = surface.face_positions(face, nodes);
         let positions = &positions[..kind.num_nodes()];
         samples(kind, [positions; 2], &[], share)

@@ -12,7 +12,7 @@
 
 pub mod inp;
 mod jacobian;
-mod linear_tets;
+mod mid_edges;
 pub mod msh;
 pub mod report;
 pub mod syntax;

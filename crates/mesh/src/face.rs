@@ -2,7 +2,7 @@
 //!
 //! Nodes are numbered corners first, then mid-edges in the order of the corners, then the centre.
 
-use std::ops::Deref;
+use std::ops::{Deref, Index};
 
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,25 @@ impl FaceKind {
 
     /// All families.
     pub const ALL: [Self; 5] = [Self::Quad4, Self::Quad8, Self::Quad9, Self::Tri6, Self::Tri7];
+}
+
+/// One value for each family of faces.
+#[derive(Clone, Debug)]
+pub struct PerFaceKind<T>([T; FaceKind::ALL.len()]);
+
+impl<T> PerFaceKind<T> {
+    /// The value of each family.
+    pub fn new(value: impl FnMut(FaceKind) -> T) -> Self {
+        Self(FaceKind::ALL.map(value))
+    }
+}
+
+impl<T> Index<FaceKind> for PerFaceKind<T> {
+    type Output = T;
+
+    fn index(&self, kind: FaceKind) -> &T {
+        &self.0[kind as usize]
+    }
 }
 
 impl Deref for FaceKind {

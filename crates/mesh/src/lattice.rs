@@ -1,4 +1,4 @@
-//! Structured hexahedra, or tetrahedra, on a tensor-product grid from which cells may be left out.
+//! Structured hexahedra, tetrahedra or wedges on a tensor-product grid from which cells may be left out.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ impl Lattice {
 
     /// Meshes the cells for which `is_solid(cell)` holds. The mesh has no named sets yet.
     ///
-    /// A cell becomes one hexahedron or six tetrahedra ([`crate::kuhn`]). Cells and nodes are numbered with z fastest and x
+    /// A cell becomes one hexahedron, six tetrahedra ([`crate::kuhn`]) or two wedges along z. Cells and nodes are numbered with z fastest and x
     /// slowest, which keeps neighbours close in memory.
     pub fn mesh(&self, kind: ElementKind, is_solid: impl Fn([usize; 3]) -> bool) -> LatticeMesh {
         let cells = self.num_cells();
@@ -83,12 +83,12 @@ impl Lattice {
             .flat_map(|c| offsets.iter().map(|o| number[fine_index(std::array::from_fn(|d| 2 * c[d] + o[d]))]))
             .collect();
         // The family of these nodes.
-        let written = match kind.enriches {
-            Some(enriched) if offsets.len() < kind.lattice.elements * kind.num_nodes() => enriched,
+        let written = match kind.enriches.first() {
+            Some(&enriched) if offsets.len() < kind.lattice.elements * kind.num_nodes() => enriched,
             _ => kind,
         };
         let mut mesh = Mesh {
-            kind: written,
+            kinds: written.into(),
             nodes,
             connectivity,
             node_sets: BTreeMap::new(),
@@ -98,7 +98,7 @@ impl Lattice {
         if written != kind {
             mesh = mesh.enriched().0;
         }
-        LatticeMesh { mesh, cells: solid_cells, is_meshed, size: cells }
+        LatticeMesh { mesh, kind, cells: solid_cells, is_meshed, size: cells }
     }
 
     /// Meshes all cells of the lattice.
@@ -112,6 +112,8 @@ impl Lattice {
 pub struct LatticeMesh {
     /// The mesh.
     pub mesh: Mesh,
+    /// Family of all elements.
+    pub kind: ElementKind,
     /// The lattice cells that are meshed, in the order of their elements ([`crate::family::LatticeCell::elements`] each).
     pub cells: Vec<[usize; 3]>,
     is_meshed: Vec<bool>,
@@ -143,7 +145,7 @@ pub struct BoundaryFacet {
 impl LatticeMesh {
     /// All boundary facets, cell by cell and side by side.
     pub fn boundary(&self) -> Vec<BoundaryFacet> {
-        let lattice = &self.mesh.kind.lattice;
+        let lattice = &self.kind.lattice;
         let on_side = (lattice.facets_on_sides)();
         let mut boundary = Vec::new();
         for (index, &cell) in self.cells.iter().enumerate() {
@@ -194,7 +196,7 @@ mod tests {
         // Mid-edge nodes are in the middle.
         for element in 0..mesh.num_elements() {
             let nodes = mesh.element(element);
-            for (&middle, &[a, b]) in nodes[4..].iter().zip(mesh.kind.edges) {
+            for (&middle, &[a, b]) in nodes[4..].iter().zip(mesh.kind_of(element).edges) {
                 for d in 0..3 {
                     let mean = 0.5 * (mesh.nodes[nodes[a] as usize][d] + mesh.nodes[nodes[b] as usize][d]);
                     assert!((mesh.nodes[middle as usize][d] - mean).abs() < 1e-14);

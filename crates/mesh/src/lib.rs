@@ -12,8 +12,10 @@
 //! * [`Mesh::volume_within`]: the share of a body in a box.
 //! * [`Mesh::scaled_jacobians`]: how well elements are shaped.
 //! * [`grading`]: element sizes along an axis, small at re-entrant edges.
-//! * [`lattice`]: structured hexahedra or tetrahedra on a tensor-product grid from which cells are left out.
+//! * [`Kinds`]: which family every element is of.
+//! * [`lattice`]: structured hexahedra, tetrahedra or wedges on a tensor-product grid from which cells are left out.
 //! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
+//! * [`testing`]: meshes of several families.
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
 pub mod actuator;
@@ -22,6 +24,7 @@ mod enrichment;
 pub mod face;
 pub mod family;
 pub mod grading;
+mod kinds;
 pub mod kuhn;
 pub mod lattice;
 mod matrix;
@@ -31,12 +34,14 @@ pub mod quadrature;
 mod quality;
 pub mod shape;
 mod shares;
+pub mod testing;
 mod volume_within;
 
 pub use actuator::{Actuator, Channel, Cuts, GeometryError, LENGTHS, Part, build_actuator, build_actuator_with};
 pub use element::ElementKind;
 pub use enrichment::{AddedNode, Place};
-pub use face::{FaceKind, Outline};
+pub use face::{FaceKind, Outline, PerFaceKind};
 pub use family::ReferenceBody;
 pub use grading::MeshSize;
+pub use kinds::{Kinds, PerKind};
 pub use mesh::{Facet, Mesh};

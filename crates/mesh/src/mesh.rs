@@ -1,9 +1,10 @@
-//! The mesh: nodes, elements of one family, named sets.
+//! The mesh: nodes, elements, named sets.
 
 use std::collections::BTreeMap;
 
 use crate::element::ElementKind;
 use crate::face::FaceKind;
+use crate::kinds::{Kinds, PerKind};
 use crate::shape;
 
 pub use crate::matrix::{cofactor, determinant};
@@ -17,16 +18,16 @@ pub struct Facet {
     pub face: u8,
 }
 
-/// Nodes and elements of one family, with named sets of nodes, facets and elements.
+/// Nodes and elements, with named sets of nodes, facets and elements.
 ///
 /// Sets are kept in name order and their members in ascending order, so that nothing depends on insertion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Element family of all elements.
-    pub kind: ElementKind,
+    /// Families of the elements.
+    pub kinds: Kinds,
     /// Reference position of every node, mm.
     pub nodes: Vec<[f64; 3]>,
-    /// Node numbers, `kind.num_nodes()` per element.
+    /// Node numbers, element by element.
     pub connectivity: Vec<u32>,
     /// Named node sets.
     pub node_sets: BTreeMap<String, Vec<u32>>,
@@ -44,7 +45,10 @@ impl Mesh {
 
     /// Number of elements.
     pub fn num_elements(&self) -> usize {
-        self.connectivity.len() / self.kind.num_nodes()
+        match &self.kinds {
+            Kinds::One(kind) => self.connectivity.len() / kind.num_nodes(),
+            Kinds::Each { kinds, .. } => kinds.len(),
+        }
     }
 
     /// Node numbers of element `element`.
@@ -52,8 +56,7 @@ impl Mesh {
     /// # Panics
     /// If `element >= self.num_elements()`.
     pub fn element(&self, element: usize) -> &[u32] {
-        let n = self.kind.num_nodes();
-        &self.connectivity[element * n..(element + 1) * n]
+        &self.connectivity[self.kinds.range(element)]
     }
 
     /// Node numbers of a facet, oriented so that `r_ξ × r_η` points out of the solid.
@@ -64,18 +67,33 @@ impl Mesh {
     }
 
     /// Family of an element.
-    pub fn kind_of(&self, _element: usize) -> ElementKind {
-        self.kind
+    pub fn kind_of(&self, element: usize) -> ElementKind {
+        self.kinds.of(element)
+    }
+
+    /// The families that the mesh has elements of.
+    pub fn families(&self) -> Vec<ElementKind> {
+        self.kinds.families()
+    }
+
+    /// One value for each family that the mesh has elements of.
+    pub fn per_kind<T>(&self, value: impl FnMut(ElementKind) -> T) -> PerKind<T> {
+        PerKind::new(&self.families(), value)
+    }
+
+    /// Its elements in words, as in "hexahedra with 27 nodes and wedges with 21 nodes".
+    pub fn words(&self) -> String {
+        self.families().iter().map(|kind| kind.words()).collect::<Vec<_>>().join(" and ")
+    }
+
+    /// Corners of an element.
+    pub fn corners(&self, element: usize) -> &[u32] {
+        &self.element(element)[..self.kind_of(element).num_corners()]
     }
 
     /// Family of a facet.
     pub fn face_kind(&self, facet: Facet) -> FaceKind {
         self.kind_of(facet.element as usize).face_kind(facet.face as usize)
-    }
-
-    /// Family of a surface's facets, of which all are of one; that of any face where there are none.
-    pub fn surface_kind(&self, facets: &[Facet]) -> FaceKind {
-        facets.first().map_or_else(|| self.kind.face_kind(0), |&facet| self.face_kind(facet))
     }
 
     /// Edges of a surface that belong to one of its facets only: first corner, last corner and, where there is one, the node in the middle,
@@ -116,11 +134,16 @@ impl Mesh {
 
     /// The same of some elements.
     pub fn volume_of(&self, elements: impl IntoIterator<Item = u32>) -> f64 {
-        let rule = (self.kind.volume_rule)().into_iter();
-        let rule: Vec<_> = rule.map(|(xi, w)| (shape::tabulate(self.kind, xi).1, w)).collect();
+        let rules = self.per_kind(|kind| {
+            let rule = (kind.volume_rule)().into_iter();
+            rule.map(|(xi, w)| (shape::tabulate(kind, xi).1, w)).collect::<Vec<_>>()
+        });
         // Element by element: a million numbers one after the other lose four digits.
         let of_element = |e: u32| -> f64 {
-            rule.iter().map(|(gradients, w)| w * determinant(&self.jacobian(e as usize, gradients))).sum()
+            rules[self.kind_of(e as usize)]
+                .iter()
+                .map(|(gradients, w)| w * determinant(&self.jacobian(e as usize, gradients)))
+                .sum()
         };
         elements.into_iter().map(of_element).sum()
     }
@@ -228,6 +251,35 @@ impl Mesh {
             faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 1).map(|group| group[0].1).collect();
         boundary.sort();
         boundary
+    }
+
+    /// A quadrilateral and a triangle on the boundary that has three of its corners: they lie on each other, but do not hold together. The
+    /// first such pair; `None` if there is none.
+    pub fn unmatched_faces(&self) -> Option<[Facet; 2]> {
+        let families = self.families();
+        let has_face =
+            |corners| families.iter().any(|kind| kind.faces.iter().any(|face| face.kind.num_corners() == corners));
+        if !(has_face(3) && has_face(4)) {
+            return None;
+        }
+        let boundary = self.boundary_facets();
+        let corners = |facet: Facet| {
+            let mut corners = self.facet_nodes(facet);
+            corners.truncate(self.face_kind(facet).num_corners());
+            corners.sort_unstable();
+            corners
+        };
+        let (triangles, quadrilaterals): (Vec<Facet>, Vec<Facet>) =
+            boundary.into_iter().partition(|&facet| self.face_kind(facet).num_corners() == 3);
+        let triangles: BTreeMap<Vec<u32>, Facet> = triangles.into_iter().map(|facet| (corners(facet), facet)).collect();
+        quadrilaterals.into_iter().find_map(|facet| {
+            let four = corners(facet);
+            (0..4).find_map(|left_out| {
+                let mut three = four.clone();
+                three.remove(left_out);
+                triangles.get(&three).map(|&triangle| [facet, triangle])
+            })
+        })
     }
 
     /// Selects the nodes for which `predicate` holds, in ascending order.

@@ -164,6 +164,33 @@ pub fn triangle_16() -> Vec<([f64; 2], f64)> {
     rule
 }
 
+/// Rule of degree 5 with seven points and positive weights on the unit triangle (Radon 1948; Dunavant 1985).
+pub fn triangle_7() -> Vec<([f64; 2], f64)> {
+    let root = 15.0_f64.sqrt();
+    let mut rule = vec![([1.0 / 3.0; 2], 9.0 / 80.0)];
+    for (a, w) in [((6.0 - root) / 21.0, (155.0 - root) / 2400.0), ((6.0 + root) / 21.0, (155.0 + root) / 2400.0)] {
+        let b = 1.0 - 2.0 * a;
+        rule.extend([[a, a], [a, b], [b, a]].map(|x| (x, w)));
+    }
+    rule
+}
+
+/// A rule on the unit triangle times the Gauss–Legendre rule with `n` points along \[−1, 1\], the triangle's points running fastest.
+pub fn wedge(triangle: &[([f64; 2], f64)], n: usize) -> Vec<([f64; 3], f64)> {
+    let layer = |(z, along): (f64, f64)| triangle.iter().map(move |&([x, y], w)| ([x, y, z], along * w));
+    gauss_legendre(n).into_iter().flat_map(layer).collect()
+}
+
+/// Rule of degree 5 with 21 points and positive weights on the unit triangle times \[−1, 1\].
+pub fn wedge_21() -> Vec<([f64; 3], f64)> {
+    wedge(&triangle_7(), 3)
+}
+
+/// Rule of degree 7 with 64 points and positive weights on the unit triangle times \[−1, 1\].
+pub fn wedge_64() -> Vec<([f64; 3], f64)> {
+    wedge(&triangle_16(), 4)
+}
+
 /// Rule of degree 4 with six points on the unit triangle (Dunavant 1985).
 pub fn triangle_6() -> Vec<([f64; 2], f64)> {
     let mut rule = Vec::new();
@@ -205,7 +232,7 @@ mod tests {
 
     #[test]
     fn simplex_rules_integrate_their_degree() {
-        for (rule, degree) in [(triangle_6(), 4), (triangle_16(), 8)] {
+        for (rule, degree) in [(triangle_6(), 4), (triangle_7(), 5), (triangle_16(), 8)] {
             for i in 0..=degree {
                 for j in 0..=degree - i {
                     let sum: f64 = rule.iter().map(|&([x, y], w)| w * x.powi(i) * y.powi(j)).sum();
@@ -236,8 +263,22 @@ mod tests {
     }
 
     #[test]
+    fn wedge_rules_integrate_their_degree() {
+        for (rule, degree) in [(wedge_21(), 5), (wedge_64(), 7)] {
+            for (i, j, k) in (0..512).map(|code| (code / 64, code / 8 % 8, code % 8)) {
+                if i + j <= degree && k <= degree {
+                    let sum: f64 = rule.iter().map(|&([x, y, z], w)| w * x.powi(i) * y.powi(j) * z.powi(k)).sum();
+                    let along = if k % 2 == 0 { 2.0 / f64::from(k + 1) } else { 0.0 };
+                    let exact = along * factorial(i) * factorial(j) / factorial(i + j + 2);
+                    assert!((sum - exact).abs() < 1e-13, "x^{i} y^{j} z^{k}: {sum} for {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn rules_on_triangles_know_no_first_corner() {
-        for rule in [triangle_6(), triangle_16()] {
+        for rule in [triangle_6(), triangle_7(), triangle_16()] {
             for &([x, y], w) in &rule {
                 let is_there = |x: f64, y: f64| {
                     rule.iter().any(|([a, b], v)| (a - x).abs() < 1e-14 && (b - y).abs() < 1e-14 && *v == w)

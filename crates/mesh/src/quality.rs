@@ -1,18 +1,19 @@
 //! How well elements are shaped: the scaled Jacobian.
 //!
-//! At a corner with the edges e₁, e₂, e₃ it is det(e₁, e₂, e₃) / (|e₁| |e₂| |e₃|), times √2 for tetrahedra; the least of an element's corners
-//! counts. It is 1 for bricks and for regular tetrahedra, 0 for flat elements, and less where the element is turned inside out. (Stimpson et
+//! At a corner with the edges e₁, e₂, e₃ it is det(e₁, e₂, e₃) / (|e₁| |e₂| |e₃|), times √2 for tetrahedra and 2/√3 for wedges; the least of an
+//! element's corners counts. It is 1 for bricks, regular tetrahedra and straight wedges with equal sides, 0 for flat elements, and less where the element is turned inside out. (Stimpson et
 //! al. 2007, *The Verdict geometric quality library*, SAND2007-1751; of quadratic elements the corners.)
 
+use crate::element::ElementKind;
 use crate::family::ReferenceBody;
 use crate::mesh::{Facet, Mesh, determinant};
 
 impl Mesh {
     /// Scaled Jacobian of every element.
     pub fn scaled_jacobians(&self) -> impl Iterator<Item = f64> + '_ {
-        let corners = self.corners_with_edges();
+        let corners = self.per_kind(corners_with_edges);
         (0..self.num_elements()).map(move |element| {
-            let nodes = self.element(element);
+            let (nodes, corners) = (self.element(element), &corners[self.kind_of(element)]);
             let at = |local: usize| self.nodes[nodes[local] as usize];
             let of_corner = |(corner, ends, scale): &(usize, [usize; 3], f64)| {
                 let edges = ends.map(|end| edge(at(*corner), at(end)));
@@ -33,10 +34,11 @@ impl Mesh {
             0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt()
         };
         let area: f64 = at[1..].windows(2).map(triangle).sum();
-        // A tetrahedron on a face is three times as high as a prism of its volume.
-        let shape = match self.kind.body {
-            ReferenceBody::Hexahedron => 1.0,
-            ReferenceBody::Tetrahedron => 3.0,
+        // A tetrahedron on a face is three times as high as a prism of its volume; a wedge is twice as high on a quadrilateral.
+        let shape = match (self.kind_of(facet.element as usize).body, corners) {
+            (ReferenceBody::Hexahedron, _) | (ReferenceBody::Wedge, 3) => 1.0,
+            (ReferenceBody::Wedge, _) => 2.0,
+            (ReferenceBody::Tetrahedron, _) => 3.0,
         };
         shape * self.volume_of([facet.element]) / area
     }
@@ -52,23 +54,23 @@ impl Mesh {
         let through = boundary.chunk_by(|a, b| a.element == b.element).filter(is_through).count();
         through as f64 / self.num_elements().max(1) as f64
     }
+}
 
-    /// Every corner of an element with its three neighbours, and the sign and factor of their determinant.
-    fn corners_with_edges(&self) -> Vec<(usize, [usize; 3], f64)> {
-        let family = self.kind;
-        let of_corner = |corner: usize| {
-            let end = |&[a, b]: &[usize; 2]| if a == corner { Some(b) } else { (b == corner).then_some(a) };
-            let ends: Vec<usize> = family.edges.iter().filter_map(end).collect();
-            let &[a, b, c] = ends.as_slice() else { return None };
-            let reference = [a, b, c].map(|end| edge(family.nodes[corner], family.nodes[end]));
-            let factor = match family.body {
-                ReferenceBody::Hexahedron => 1.0,
-                ReferenceBody::Tetrahedron => std::f64::consts::SQRT_2,
-            };
-            Some((corner, [a, b, c], factor * determinant(&reference).signum()))
+/// Every corner of an element with its three neighbours, and the sign and factor of their determinant.
+fn corners_with_edges(family: ElementKind) -> Vec<(usize, [usize; 3], f64)> {
+    let of_corner = |corner: usize| {
+        let end = |&[a, b]: &[usize; 2]| if a == corner { Some(b) } else { (b == corner).then_some(a) };
+        let ends: Vec<usize> = family.edges.iter().filter_map(end).collect();
+        let &[a, b, c] = ends.as_slice() else { return None };
+        let reference = [a, b, c].map(|end| edge(family.nodes[corner], family.nodes[end]));
+        let factor = match family.body {
+            ReferenceBody::Hexahedron => 1.0,
+            ReferenceBody::Tetrahedron => std::f64::consts::SQRT_2,
+            ReferenceBody::Wedge => 2.0 / 3.0_f64.sqrt(),
         };
-        (0..family.num_corners()).filter_map(of_corner).collect()
-    }
+        Some((corner, [a, b, c], factor * determinant(&reference).signum()))
+    };
+    (0..family.num_corners()).filter_map(of_corner).collect()
 }
 
 fn edge(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
@@ -85,7 +87,6 @@ fn normalised_determinant(edges: [[f64; 3]; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::ElementKind;
     use crate::lattice::Lattice;
 
     #[test]
@@ -110,9 +111,14 @@ mod tests {
         for kind in ElementKind::ALL {
             let wall = Lattice::uniform([0.0; 3], [4.0, 4.0, 1.0], [4, 4, 1]).mesh_all(kind);
             let roof = wall.select_facets(|x| x[2] == 1.0);
-            let is_brick = kind.body == ReferenceBody::Hexahedron;
+            let has_layers = kind.body != ReferenceBody::Tetrahedron;
             assert!(roof.iter().all(|&facet| (wall.thickness_behind(facet) - 1.0).abs() < 1e-12), "{kind:?}");
-            assert_eq!(wall.share_of_single_layers(), if is_brick { 1.0 } else { 0.0 });
+            assert_eq!(wall.share_of_single_layers(), if has_layers { 1.0 } else { 0.0 });
+            if kind.body == ReferenceBody::Wedge {
+                // Two on each side of a cell: both are half as thick as the cell in the mean.
+                let side = wall.select_facets(|x| x[0] == 0.0);
+                assert!(side.iter().all(|&facet| (wall.thickness_behind(facet) - 1.0).abs() < 1e-12), "{kind:?}");
+            }
             let two = Lattice::uniform([0.0; 3], [4.0, 4.0, 1.0], [4, 4, 2]).mesh_all(kind);
             assert_eq!(two.share_of_single_layers(), 0.0);
         }

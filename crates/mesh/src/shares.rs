@@ -91,12 +91,14 @@ impl Mesh {
     }
 
     fn elements_within(&self, set: &[bool]) -> Vec<Piece> {
-        let rule = (self.kind.volume_rule)().into_iter();
-        let rule: Vec<_> = rule.map(|(xi, w)| (shape::tabulate(self.kind, xi), w)).collect();
+        let rules = self.per_kind(|kind| {
+            let rule = (kind.volume_rule)().into_iter();
+            rule.map(|(xi, w)| (shape::tabulate(kind, xi), w)).collect::<Vec<_>>()
+        });
         let weights = |element: usize| {
             let nodes = self.element(element);
             let mut piece: Piece = nodes.iter().map(|&node| (node, 0.0)).collect();
-            for ((values, gradients), weight) in &rule {
+            for ((values, gradients), weight) in &rules[self.kind_of(element)] {
                 let volume = weight * determinant(&self.jacobian(element, gradients));
                 piece.iter_mut().zip(values).for_each(|((_, sum), value)| *sum += value * volume);
             }

@@ -12,13 +12,16 @@ type Tetrahedron = [[f64; 3]; 4];
 const HEXAHEDRON: [[usize; 4]; 6] =
     [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
 
+/// Of a wedge.
+const WEDGE: [[usize; 4]; 3] = [[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]];
+
 impl Mesh {
     /// Volume of the body between two corners of a box, mm³; edges and faces of elements count as straight.
     pub fn volume_within(&self, [one, other]: [[f64; 3]; 2]) -> f64 {
         let low: [f64; 3] = std::array::from_fn(|d| one[d].min(other[d]));
         let high: [f64; 3] = std::array::from_fn(|d| one[d].max(other[d]));
         let of_element = |element: usize| {
-            let corners = &self.element(element)[..self.kind.num_corners()];
+            let corners = self.corners(element);
             let range = |d: usize| {
                 let along = corners.iter().map(|&n| self.nodes[n as usize][d]);
                 along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
@@ -41,8 +44,9 @@ impl Mesh {
     fn corner_tetrahedra(&self, element: usize) -> Vec<Tetrahedron> {
         let nodes = self.element(element);
         let at = |local: usize| self.nodes[nodes[local] as usize];
-        match self.kind.body {
+        match self.kind_of(element).body {
             ReferenceBody::Tetrahedron => vec![[0, 1, 2, 3].map(at)],
+            ReferenceBody::Wedge => WEDGE.iter().map(|corners| corners.map(at)).collect(),
             ReferenceBody::Hexahedron => HEXAHEDRON.iter().map(|corners| corners.map(at)).collect(),
         }
     }

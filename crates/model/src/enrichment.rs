@@ -17,9 +17,16 @@ impl Problem {
     /// the elements lack them.
     ///
     /// # Errors
-    /// A formulation that such elements cannot have.
+    /// A formulation that such elements cannot have; any for elements of several families, which have those that fit together.
     pub fn solved_by(self, wanted: Option<Formulation>) -> Result<Self, CaseError> {
-        let kind = self.mesh.kind;
+        let Some(kind) = self.mesh.kinds.only() else {
+            let Some(formulation) = wanted else { return Ok(self.enriched()) };
+            let allowed = format!(
+                "must be left out for {}: only hex27, tet15 and wedge21 fit together, and the body has those of its elements",
+                self.mesh.words()
+            );
+            return Err(CaseError { key: "mesh.element".into(), value: format!("{:?}", formulation.name), allowed });
+        };
         let is_possible = |f: &Formulation| f.element == kind || Some(f.element) == kind.enriched();
         let Some(formulation) = wanted.or_else(|| Formulation::of_kind(kind.enriched().unwrap_or(kind))) else {
             return Ok(self);
@@ -32,11 +39,25 @@ impl Problem {
         Ok(if formulation.element == kind { Self { formulation, ..self } } else { self.enriched() })
     }
 
+    /// The formulations of its elements, one for each family that it has elements of.
+    pub fn formulations(&self) -> impl Iterator<Item = Formulation> + use<> {
+        let formulation = self.formulation;
+        self.mesh.families().into_iter().map(move |kind| formulation.beside(kind))
+    }
+
+    /// Their names, as in `hex27 + wedge21`.
+    pub fn element_names(&self) -> String {
+        self.formulations().map(|formulation| formulation.name).collect::<Vec<_>>().join(" + ")
+    }
+
     /// The same body with nodes in the faces and inside of its elements, where there is a family with them, and the formulation of that family.
     pub fn enriched(self) -> Self {
-        let Some(formulation) = self.mesh.kind.enriched().and_then(Formulation::of_kind) else { return self };
+        if self.mesh.families().iter().all(|kind| kind.enriched().is_none()) {
+            return self;
+        }
         let given = Arc::clone(&self.mesh);
         let (mesh, added) = (*given).clone().enriched();
+        let Some(formulation) = Formulation::of_mesh(&mesh) else { return self };
         Self { mesh: mesh.into(), formulation, given: Some(Given { mesh: given, added }), ..self }
     }
 
@@ -253,6 +274,6 @@ mod tests {
         let added: Vec<(u32, u8)> = rich.equations[count..].iter().map(|e| (e.terms[0].0, e.terms[0].1)).collect();
         let centres = rich.mesh.select_nodes(|x| x[2] == 1.0).into_iter().filter(|node| !roof.contains(node));
         assert_eq!(added, centres.flat_map(|node| [(node, 0), (node, 2)]).collect::<Vec<_>>());
-        assert_eq!(ElementKind::Tet15, rich.mesh.kind);
+        assert_eq!(Some(ElementKind::Tet15), rich.mesh.kinds.only());
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Deref;
 
-use pneuflex_mesh::{ElementKind, quadrature};
+use pneuflex_mesh::{ElementKind, Mesh, quadrature};
 use serde::{Deserialize, Serialize};
 
 use crate::law::Invariant;
@@ -30,6 +30,9 @@ pub enum Formulation {
     /// Quadratic tetrahedron with bubbles in its faces and inside and a discontinuous linear pressure; six per lattice cell.
     #[serde(rename = "tet15")]
     Tet15,
+    /// Quadratic wedge with nodes in its faces and inside and a discontinuous linear pressure; two per lattice cell.
+    #[serde(rename = "wedge21")]
+    Wedge21,
 }
 
 /// When a part of the bulk modulus resists fluctuations of J within an element (theory §10).
@@ -128,9 +131,19 @@ static TET15: MixedFormulation = MixedFormulation {
     ..HEX20
 };
 
+static WEDGE21: MixedFormulation = MixedFormulation {
+    name: "wedge21",
+    words: "quadratic wedges with nodes in their faces and inside and a discontinuous linear pressure",
+    element: ElementKind::Wedge21,
+    deviatoric_rule: quadrature::wedge_21,
+    volumetric_rule: quadrature::wedge_21,
+    ..HEX20
+};
+
 impl Formulation {
     /// All formulations. Of those with one element, the last is that of bodies that come with such elements: free of locking.
-    pub const ALL: [Self; 6] = [Self::Hex8Sri, Self::Hex8Q1p0, Self::Hex20, Self::Hex27, Self::Tet10, Self::Tet15];
+    pub const ALL: [Self; 7] =
+        [Self::Hex8Sri, Self::Hex8Q1p0, Self::Hex20, Self::Hex27, Self::Tet10, Self::Tet15, Self::Wedge21];
 
     /// What the formulation is.
     pub const fn table(self) -> &'static MixedFormulation {
@@ -141,12 +154,31 @@ impl Formulation {
             Self::Hex27 => &HEX27,
             Self::Tet10 => &TET10,
             Self::Tet15 => &TET15,
+            Self::Wedge21 => &WEDGE21,
         }
     }
 
     /// The formulation of bodies that come with elements of a family: free of locking. `None` for a family that has none.
     pub fn of_kind(kind: ElementKind) -> Option<Self> {
         Self::ALL.into_iter().rfind(|formulation| formulation.element == kind)
+    }
+
+    /// The formulation of a body that comes with a mesh, by its first element; where its family has none, that of the family which it is
+    /// enriched to. `None` if there is none either.
+    pub fn of_mesh(mesh: &Mesh) -> Option<Self> {
+        let kind = mesh.kind_of(0);
+        Self::of_kind(kind).or_else(|| Self::of_kind(kind.enriched()?))
+    }
+
+    /// The formulation of elements of a family in a body with this one: itself for its own, and that of [`Self::of_kind`] for all others.
+    ///
+    /// # Panics
+    /// If there is none for the family: a body of such elements must be enriched first.
+    pub fn beside(self, kind: ElementKind) -> Self {
+        if self.element == kind {
+            return self;
+        }
+        Self::of_kind(kind).expect("elements without a formulation are enriched before they are solved")
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, reference_gradients, tabulate};
 use pneuflex_assembly::{Assembler, LocalBlock, LocalContribution, LocalError, Request, Totals};
 use pneuflex_factor::{BlockPattern, Factor, FactorError, Ordering, Parallelism, Symbolic};
-use pneuflex_mesh::{Mesh, with_num_nodes};
+use pneuflex_mesh::{Mesh, PerKind, with_num_nodes};
 use rayon::prelude::*;
 
 use crate::error::AssembleError;
@@ -21,7 +21,7 @@ use crate::error::AssembleError;
 /// The Laplacians of a mesh, factorised.
 pub struct RotationUpdate {
     mesh: Arc<Mesh>,
-    points: Vec<IntegrationPoint>,
+    points: PerKind<Vec<IntegrationPoint>>,
     assembler: Assembler,
     totals: Totals,
     /// Factor for each axis, shared between axes that hold the same nodes.
@@ -38,7 +38,7 @@ impl RotationUpdate {
     /// If a Laplacian is singular, which that of a mesh without loose nodes is not.
     pub fn new(mesh: &Arc<Mesh>, held: &[bool], parallelism: Parallelism) -> Result<Self, FactorError> {
         let held = &with_a_held_node_in_every_part(mesh, held);
-        let points = tabulate(mesh.kind, (mesh.kind.volume_rule)());
+        let points = mesh.per_kind(|kind| tabulate(kind, (kind.volume_rule)()));
         let pattern = BlockPattern::from_cliques(mesh.num_nodes(), (0..mesh.num_elements()).map(|e| mesh.element(e)));
         let values = laplacian(mesh, &points, &pattern);
         let symbolic = Arc::new(Symbolic::<1>::analyze(&pattern, Ordering::default())?);
@@ -121,8 +121,7 @@ impl Extent {
 impl RotationUpdate {
     /// Extent of a correction at a displacement.
     pub fn extent(&self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
-        let of_element =
-            |element| with_num_nodes!(self.mesh.kind, N => self.extent_in::<N>(element, displacement, correction));
+        let of_element = |element| with_num_nodes!(self.mesh.kind_of(element), N => self.extent_in::<N>(element, displacement, correction));
         (0..self.mesh.num_elements())
             .into_par_iter()
             .with_min_len(64)
@@ -135,7 +134,7 @@ impl RotationUpdate {
         let [x, u, delta]: [[[f64; 3]; N]; 3] = [&self.mesh.nodes[..], displacement, correction]
             .map(|field| std::array::from_fn(|a| field[nodes[a] as usize]));
         let mut extent = Extent::default();
-        for point in &self.points {
+        for point in &self.points[self.mesh.kind_of(element)] {
             let (gradients, _) = reference_gradients(&x, point);
             let mut f = displacement_gradient(&u, &gradients);
             for i in 0..3 {
@@ -170,15 +169,14 @@ fn with_a_held_node_in_every_part(mesh: &Mesh, held: &[bool]) -> Vec<bool> {
 }
 
 /// ∫ ∇N_a·∇N_b dV.
-fn laplacian(mesh: &Mesh, points: &[IntegrationPoint], pattern: &BlockPattern) -> Vec<f64> {
+fn laplacian(mesh: &Mesh, points: &PerKind<Vec<IntegrationPoint>>, pattern: &BlockPattern) -> Vec<f64> {
     let mut values = vec![0.0; pattern.num_blocks()];
-    let n = mesh.kind.num_nodes();
     for element in 0..mesh.num_elements() {
         let nodes = mesh.element(element);
-        for point in points {
+        for point in &points[mesh.kind_of(element)] {
             // The widest element sets the buffer; narrower ones use its beginning.
             let (gradients, volume) = gradients_of(mesh, element, point);
-            for a in 0..n {
+            for a in 0..nodes.len() {
                 for b in 0..=a {
                     let (i, j) = (nodes[a].max(nodes[b]) as usize, nodes[a].min(nodes[b]) as usize);
                     let product: f64 = (0..3).map(|k| gradients[a][k] * gradients[b][k]).sum();
@@ -199,13 +197,13 @@ fn gradients_of(mesh: &Mesh, element: usize, point: &IntegrationPoint) -> (Vec<[
         let (gradients, volume) = reference_gradients(&x, point);
         (gradients.to_vec(), volume)
     }
-    with_num_nodes!(mesh.kind, N => sized::<N>(mesh, element, point))
+    with_num_nodes!(mesh.kind_of(element), N => sized::<N>(mesh, element, point))
 }
 
 /// Right-hand side ∫ (F* − F − δF) ∇N dV, as the residual of a contribution.
 struct Rotation<'a> {
     mesh: &'a Mesh,
-    points: &'a [IntegrationPoint],
+    points: &'a PerKind<Vec<IntegrationPoint>>,
     correction: &'a [[f64; 3]],
 }
 
@@ -220,7 +218,7 @@ impl Rotation<'_> {
         let x: [[f64; 3]; N] = std::array::from_fn(|a| self.mesh.nodes[nodes[a] as usize]);
         let u: [[f64; 3]; N] = std::array::from_fn(|a| displacement[nodes[a] as usize]);
         let delta: [[f64; 3]; N] = std::array::from_fn(|a| self.correction[nodes[a] as usize]);
-        for (index, point) in self.points.iter().enumerate() {
+        for (index, point) in self.points[self.mesh.kind_of(element)].iter().enumerate() {
             let (gradients, volume) = reference_gradients(&x, point);
             let mut f = displacement_gradient(&u, &gradients);
             for i in 0..3 {
@@ -261,7 +259,7 @@ impl LocalContribution for Rotation<'_> {
         _request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        with_num_nodes!(self.mesh.kind, N => self.evaluate_nodes::<N>(block, displacement, out))
+        with_num_nodes!(self.mesh.kind_of(block), N => self.evaluate_nodes::<N>(block, displacement, out))
     }
 }
 

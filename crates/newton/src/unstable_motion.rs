@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use pneuflex_assembly::formulation::{IntegrationPoint, displacement_gradient, reference_gradients, tabulate};
-use pneuflex_mesh::{Mesh, with_num_nodes};
+use pneuflex_mesh::{Mesh, PerKind, with_num_nodes};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -136,7 +136,7 @@ impl UnstableMotions {
         let place = std::array::from_fn(|k| {
             nodes.iter().map(|&node| mesh.nodes[node as usize][k]).sum::<f64>() / nodes.len() as f64
         });
-        let is_linear = !mesh.kind.is_quadratic();
+        let is_linear = !mesh.kind_of(element).is_quadratic();
         Some(Self { count, element, place, num_elements, volumetric_share, varying_share, tension, is_linear })
     }
 }
@@ -224,15 +224,14 @@ struct Straining {
 }
 
 fn straining(mesh: &Mesh, displacement: &[[f64; 3]], motion: &[[f64; 3]]) -> Vec<Straining> {
-    let points = tabulate(mesh.kind, (mesh.kind.volume_rule)());
-    let of_element =
-        |element| with_num_nodes!(mesh.kind, N => straining_of::<N>(mesh, &points, element, displacement, motion));
+    let points = mesh.per_kind(|kind| tabulate(kind, (kind.volume_rule)()));
+    let of_element = |element| with_num_nodes!(mesh.kind_of(element), N => straining_of::<N>(mesh, &points, element, displacement, motion));
     (0..mesh.num_elements()).into_par_iter().with_min_len(64).map(of_element).collect()
 }
 
 fn straining_of<const N: usize>(
     mesh: &Mesh,
-    points: &[IntegrationPoint],
+    points: &PerKind<Vec<IntegrationPoint>>,
     element: usize,
     displacement: &[[f64; 3]],
     motion: &[[f64; 3]],
@@ -242,7 +241,7 @@ fn straining_of<const N: usize>(
         [&mesh.nodes[..], displacement, motion].map(|field| std::array::from_fn(|a| field[nodes[a] as usize]));
     let mut sum = Straining::default();
     let (mut mean, mut whole) = ([[0.0; 3]; 3], 0.0);
-    for point in points {
+    for point in &points[mesh.kind_of(element)] {
         let (gradients, volume) = reference_gradients(&x, point);
         let mut f = displacement_gradient(&u, &gradients);
         (0..3).for_each(|i| f[i][i] += 1.0);

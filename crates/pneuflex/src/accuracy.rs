@@ -171,6 +171,7 @@ pub fn expected(problem: &Problem, actuator: &Actuator, mesh: &MeshOptions, step
             Formulation::Hex20 => "hex20 elements had up to twice the errors of hex27",
             Formulation::Tet10 => "tet10 elements had up to three times the errors of hex27",
             Formulation::Tet15 => "errors of tet15 elements were not measured",
+            Formulation::Wedge21 => "errors of wedge21 elements were not measured",
             _ => "errors of linear elements were not measured",
         };
         add(Parameter::Element, None, what.into());

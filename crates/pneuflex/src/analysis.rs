@@ -294,7 +294,7 @@ impl Analysis {
                 // As it was given; nodes are added again.
                 let (mesh, given) = (&self.problem.mesh, self.problem.given.as_ref());
                 let mesh = given.map_or(mesh, |given| &given.mesh);
-                let formulation = given.and_then(|given| Formulation::of_kind(given.mesh.kind));
+                let formulation = given.and_then(|given| Formulation::of_mesh(&given.mesh));
                 let recorded = RecordedMesh::of(formulation.unwrap_or(self.problem.formulation), mesh);
                 let bytes = recorded.written()?;
                 let name = recorded_mesh::FILE.to_owned();

@@ -46,7 +46,7 @@ impl Body {
             }
         }
         let connectivity = cells.iter().flat_map(|cell| cell.as_ref().iter().copied()).collect();
-        Self::of_mesh(formulation, plain_mesh(kind, nodes, connectivity))
+        Self::of_mesh(formulation, plain_mesh(kind.into(), nodes, connectivity))
     }
 
     /// A body from a mesh with named sets.
@@ -78,9 +78,9 @@ impl Body {
     pub fn from_msh(name: &str, bytes: &[u8], scale: f64) -> Result<Self, Error> {
         let wrong = |errors: Vec<_>| errors.into_iter().map(InputError::from).collect::<Vec<_>>();
         let mesh = msh::read(name, bytes).map_err(wrong)?.mesh.map_nodes(|x| x.map(|t| scale * t));
-        let unknown = || InputError::new(format!("{name}: {} cannot be solved", mesh.kind.words()));
-        let enriched = mesh.kind.enriched().and_then(Formulation::of_kind);
-        let mut body = Self::of_mesh(Formulation::of_kind(mesh.kind).ok_or_else(unknown)?, mesh)?;
+        let unknown = || InputError::new(format!("{name}: {} cannot be solved", mesh.words()));
+        let enriched = mesh.kinds.only().and_then(|kind| kind.enriched()).and_then(Formulation::of_kind);
+        let mut body = Self::of_mesh(Formulation::of_mesh(&mesh).ok_or_else(unknown)?, mesh)?;
         body.model.mesh.element = enriched;
         Ok(body)
     }
@@ -236,8 +236,10 @@ impl Body {
             return Err(problems.into_iter().map(said).collect::<Vec<_>>().into());
         }
         check(self.formulation, &self.mesh)?;
+        // Elements of several families have no formulation that could be chosen.
+        let own = self.mesh.kinds.only().map(|_| self.formulation);
         let problem = Problem::body(self.mesh.clone(), self.formulation, Material::default())
-            .solved_by(self.model.mesh.element.or(Some(self.formulation)))
+            .solved_by(self.model.mesh.element.or(own))
             .map_err(said)?;
         let analysis = Analysis::of_body(path, self.model.clone(), problem, None);
         Ok(analysis.map_err(|errors| errors.into_iter().map(said).collect::<Vec<_>>())?.held()?)

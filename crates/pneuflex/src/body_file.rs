@@ -91,9 +91,8 @@ pub fn read_body(
     }
     let (mesh, formulation, mut notes): (_, _, Vec<String>) = if has_extension(path, "msh") {
         let read = msh::read(&shown, &bytes).map_err(wrong)?;
-        let kind = read.mesh.kind;
-        let unknown = || InputError::about_file(path, format!("{} cannot be solved", kind.words()));
-        let formulation = Formulation::of_kind(kind).ok_or_else(unknown)?;
+        let unknown = || InputError::about_file(path, format!("{} cannot be solved", read.mesh.words()));
+        let formulation = Formulation::of_mesh(&read.mesh).ok_or_else(unknown)?;
         (read.mesh, formulation, read.notes.iter().map(ToString::to_string).collect())
     } else if has_extension(path, "json") {
         let (mesh, formulation) = RecordedMesh::read(&bytes).map_err(|why| InputError::about_file(path, why))?;
@@ -103,23 +102,29 @@ pub fn read_body(
     };
     let mesh = mesh.map_nodes(|x| x.map(|t| source.scale * t));
     let is_recorded = has_extension(path, "json");
+    // Elements of several families have no formulation that could be chosen.
+    let recorded = mesh.kinds.only().and(is_recorded.then_some(formulation));
     let problem = Problem::body(mesh, formulation, Default::default());
-    let (problem, note) = solved_by(problem, element.or(is_recorded.then_some(formulation)))?;
+    let (problem, note) = solved_by(problem, element.or(recorded))?;
     notes.extend((problem.given.is_some() && !is_recorded).then_some(note));
     Ok(ReadBody { title: String::new(), problem, schedule: None, notes, files })
 }
 
 /// A body with the formulation that is asked for, and what it is solved with.
 fn solved_by(body: Problem, element: Option<Formulation>) -> Result<(Problem, String), InputError> {
-    let (words, as_it_is) = (body.mesh.kind.words(), body.formulation.name);
+    let words = body.mesh.words();
+    // Without a formulation as they are, there is nothing to choose.
+    let as_it_is = body.mesh.kinds.only().and_then(Formulation::of_kind);
     let problem = body.solved_by(element).map_err(|e| InputError::new(e.to_string()).of_key(&e.key))?;
-    let solved = format!("{} ({})", problem.formulation.name, problem.formulation.words);
-    let note = match &problem.given {
-        Some(_) => format!(
+    let solved: Vec<String> = problem.formulations().map(|f| format!("{} ({})", f.name, f.words)).collect();
+    let solved = solved.join(" and ");
+    let note = match (&problem.given, as_it_is) {
+        (Some(_), Some(as_it_is)) => format!(
             "{words} are solved with {solved}: nodes are added in faces and inside of elements; `mesh.element = \"{as_it_is}\"` in a model \
              file does without them"
         ),
-        None => format!("{words} are solved with {solved}"),
+        (Some(_), None) => format!("{words} are solved with {solved}: nodes are added in faces and inside of elements"),
+        (None, _) => format!("{words} are solved with {solved}"),
     };
     Ok((problem, note))
 }

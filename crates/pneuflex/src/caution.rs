@@ -95,7 +95,7 @@ pub fn worst_element(problem: &Problem) -> Option<(usize, f64, usize)> {
 /// Where an element is: the mean of its corners, mm.
 pub fn centre(problem: &Problem, element: usize) -> [f64; 3] {
     let mesh = &problem.mesh;
-    let corners = &mesh.element(element)[..mesh.kind.num_corners()];
+    let corners = mesh.corners(element);
     std::array::from_fn(|k| corners.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners.len() as f64)
 }
 

@@ -36,7 +36,7 @@ pub struct Estimate {
 impl Estimate {
     /// Estimates a case whose values are within their ranges.
     ///
-    /// Nodes per lattice cell approach 1, 4, 8 and 26 (hex8, hex20, hex27 and tet10, which share their nodes, tet15) and exceed that
+    /// Nodes per lattice cell approach 1, 4, 8, 12 and 26 (hex8, hex20, hex27 and tet10, which share their nodes, wedge21, tet15) and exceed that
     /// by a share that falls like the surface does: fitted to the two default actuators from 4 to 0.25 mm, within 10 % up
     /// to 1 mm cells.
     pub fn of(case: &Case) -> Self {
@@ -56,12 +56,13 @@ impl Estimate {
         let unknowns = 3.0 * cells * (inside + surface / per_chamber.cbrt());
         let elements = cells * kind.lattice.elements as f64;
         let grid = GRID_BYTES * actuator.estimate_grid(size, cuts);
-        Self { elements, unknowns, bytes: bytes(kind, actuator.chambers, unknowns) + grid }
+        Self { elements, unknowns, bytes: bytes(bytes_per_unknown(kind), actuator.chambers, unknowns) + grid }
     }
 
     /// Estimates a case whose mesh has the given numbers of elements and unknowns.
     pub fn of_mesh(case: &Case, elements: usize, unknowns: usize) -> Self {
-        let bytes = bytes(case.mesh.formulation().element_kind(), case.actuator.chambers, unknowns as f64);
+        let bytes =
+            bytes(bytes_per_unknown(case.mesh.formulation().element_kind()), case.actuator.chambers, unknowns as f64);
         Self { elements: elements as f64, unknowns: unknowns as f64, bytes }
     }
 
@@ -76,7 +77,8 @@ impl Estimate {
             let columns = if equation.value == Curve::ZERO { 0.0 } else { 2.0 };
             COUPLING * (equation.terms.len() as f64).powi(2) + columns * 8.0 * unknowns
         };
-        let bytes = bytes(mesh.kind, 1, unknowns) + equations.iter().map(of_equation).sum::<f64>();
+        let per_unknown = mesh.families().into_iter().map(bytes_per_unknown).fold(0.0, f64::max);
+        let bytes = bytes(per_unknown, 1, unknowns) + equations.iter().map(of_equation).sum::<f64>();
         Self { elements: mesh.num_elements() as f64, unknowns, bytes }
     }
 
@@ -111,19 +113,23 @@ impl Estimate {
     }
 }
 
+fn bytes_per_unknown(kind: ElementKind) -> f64 {
+    // Nodes inside of elements and in their faces are coupled with few others.
+    match kind {
+        ElementKind::Tet15 => 560.0,
+        ElementKind::Wedge21 => 800.0,
+        _ if kind.is_quadratic() => 1000.0,
+        _ => 800.0,
+    }
+}
+
 /// Peak memory in bytes, dominated by the factor of the tangent.
 ///
 /// The body is a chain of chambers: the memory grows like their number, and for one chamber with n unknowns like n^1.25,
 /// between the n log n of a plane body and the n^(4/3) of a cube. The constants are 5 to 15 % above the peak memory
 /// measured with both default actuators, 5,900 to 278,000 unknowns without contact; contact adds up to 15 %.
-fn bytes(kind: ElementKind, chambers: usize, unknowns: f64) -> f64 {
+fn bytes(per_unknown: f64, chambers: usize, unknowns: f64) -> f64 {
     const PROGRAM: f64 = 1e7;
-    // Nodes inside of elements and in their faces are coupled with few others.
-    let per_unknown = match kind {
-        ElementKind::Tet15 => 560.0,
-        _ if kind.is_quadratic() => 1000.0,
-        _ => 800.0,
-    };
     let chambers = chambers as f64;
     PROGRAM + chambers * per_unknown * (unknowns / chambers).powf(1.25)
 }
@@ -219,6 +225,7 @@ mod tests {
             (full(), Formulation::Hex20, 1.0, 878_504.0),
             (two(), Formulation::Hex27, 1.0, 373_344.0),
             (two(), Formulation::Tet15, 1.0, 823_300.0),
+            (two(), Formulation::Wedge21, 1.0, 494_416.0),
         ] {
             let mesh = MeshOptions::uniform(h, element);
             let ratio = Estimate::of(&case(actuator, mesh)).bytes / (1024.0 * kibibytes);

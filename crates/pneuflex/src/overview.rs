@@ -222,7 +222,7 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
             "{} nodes, {} elements {}, {} unknowns, {:.6} mm3",
             number(mesh.num_nodes()),
             number(mesh.num_elements()),
-            problem.formulation,
+            problem.element_names(),
             number(problem.num_unknowns()),
             mesh.volume()
         ),

@@ -67,12 +67,12 @@ struct Summary<'a> {
     timing: RunTiming,
 }
 
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct MeshSummary {
     nodes: usize,
     elements: usize,
     unknowns: usize,
-    element: &'static str,
+    element: String,
 }
 
 /// A requested pressure: reached, or the one at which the run ended.
@@ -154,7 +154,7 @@ impl<'a> Recorder<'a> {
             nodes: problem.mesh.num_nodes(),
             elements: problem.mesh.num_elements(),
             unknowns: problem.num_unknowns(),
-            element: problem.formulation.name(),
+            element: problem.element_names(),
         };
         let resolved = analysis.resolved().map_err(|e| ResultsError::not_representable("case.toml", e))?;
         folder.remove_partial_files()?;
@@ -365,7 +365,7 @@ impl<'a> Recorder<'a> {
             results_of: if self.analysis.modelled_part().is_some() { "whole-body" } else { "model" },
             modelled: self.analysis.modelled_part(),
             symmetry_planes: self.analysis.problem.symmetry.iter().map(SymmetryPlane::words).collect(),
-            mesh: self.mesh,
+            mesh: self.mesh.clone(),
             probes: &self.probes,
             steps,
             on_the_way: ending.map_or(&[], |ending| &ending.on_the_way[..]),

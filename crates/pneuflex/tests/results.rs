@@ -5,8 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pneuflex::mesh::ElementKind;
 use pneuflex::mesh::lattice::Lattice;
+use pneuflex::mesh::testing::{angle, mixed};
+use pneuflex::mesh::{ElementKind, Mesh};
 use pneuflex::model::{Formulation, Law, Material};
 use pneuflex::post::summary::StepSummary;
 use pneuflex::report_page::report_page;
@@ -120,6 +121,63 @@ fn bar(formulation: Formulation) -> Body {
         .probe("end", [4.0, 2.0, 1.0])
         .times([1.0]);
     bar
+}
+
+/// An angle that is bent up by a pressure below, against a plane that presses on its arm.
+fn bent_angle(mesh: Mesh, formulation: Formulation) -> StepSummary {
+    let mut body = Body::of_mesh(formulation, mesh).unwrap();
+    body.material(Material::from(Law::NeoHooke { c10: 0.1 }))
+        .name_nodes("root", |[x, _, _]| x == 0.0)
+        .name_faces("under", |[_, _, z]| z == 0.0)
+        .name_faces("over", |[_, _, z]| z == 3.0)
+        .hold("root", "xyz")
+        .probe("end", [3.0, 2.0, 3.0])
+        .times([1.0]);
+    let text = "[[pressure]]\nfaces = \"under\"\npressure_kpa = [[0, 0], [1, 15]]\n[[obstacle]]\nname = \"plane\"\nshape = \"plane\"\n\
+                faces = \"over\"\npoint = [0.0, 0.0, 3.2]\nnormal = [0.0, 0.0, -1.0]\n";
+    let tables = toml::from_str::<pneuflex::model::model_file::Model>(text).unwrap();
+    body.model.pressures = tables.pressures;
+    body.model.obstacles = tables.obstacles;
+    body.analysis().unwrap().solve().unwrap().states.remove(0)
+}
+
+/// Its lower faces are quadrilaterals and triangles, its upper ones triangles of tetrahedra.
+#[test]
+fn hexahedra_wedges_and_tetrahedra_are_one_body() {
+    let lattice = Lattice::uniform([0.0; 3], [3.0, 2.0, 3.0], [6, 4, 6]);
+    let tetrahedra = lattice.mesh(ElementKind::Tet15, |[x, _, z]| x >= 2 || z < 4).mesh;
+    let several = bent_angle(angle(2), Formulation::Hex27);
+    let one = bent_angle(tetrahedra, Formulation::Tet15);
+    let [found, expected] = [&several, &one].map(|state| {
+        let force = state.obstacles["plane"].force_n[2];
+        [state.probes["end"][2], state.probes["end"][0], force, state.strain_energy_mj]
+    });
+    assert!(expected[0] > 0.1 && expected[2].abs() > 1e-3, "{expected:?}");
+    // The force is that of an edge which is some micrometres deep in the plane, behind a stiff penalty.
+    let bounds = [1e-3, 1e-2, 3e-2, 1e-3];
+    let error = |i: usize| (found[i] / expected[i] - 1.0).abs();
+    assert!((0..4).all(|i| error(i) < bounds[i]), "{found:?} {expected:?}");
+}
+
+#[test]
+fn bodies_whose_elements_do_not_fit_together_are_refused() {
+    let refused = |mesh: Mesh| match Body::of_mesh(Formulation::Hex27, mesh) {
+        Err(Error::Input(errors)) => errors[0].to_string(),
+        other => panic!("{other:?}"),
+    };
+    let block = |kind| Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).mesh_all(kind);
+    let torn = mixed(&block(ElementKind::Hex27), &block(ElementKind::Tet15), |x| x[0] < 1.0);
+    assert!(refused(torn).contains("meet with a quadrilateral on a triangle, at [1.0, "));
+    let of_two_orders = mixed(&block(ElementKind::Hex8), &block(ElementKind::Wedge21), |x| x[0] < 1.0);
+    assert!(
+        refused(of_two_orders).contains("hexahedra with 8 nodes and wedges with 21 nodes cannot be solved as hex27")
+    );
+    // Elements of one kind may be chosen, those of several not.
+    let mut body = Body::of_mesh(Formulation::Hex27, angle(1)).unwrap();
+    body.name_nodes("root", |[x, _, _]| x == 0.0).hold("root", "xyz").times([1.0]);
+    body.model.mesh.element = Some(Formulation::Hex27);
+    let Err(Error::Input(errors)) = body.analysis() else { panic!() };
+    assert!(errors[0].to_string().contains("mesh.element") && errors[0].to_string().contains("must be left out"));
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl Study {
         }
         apart(py, || {
             let mut mesh = Mesh {
-                kind,
+                kinds: kind.into(),
                 nodes: floats(nodes).chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
                 connectivity: numbers(&cells),
                 node_sets: node_sets.into_iter().map(|(name, bytes)| (name, sorted(numbers(&bytes)))).collect(),
@@ -188,8 +188,8 @@ impl Analysis {
     }
 
     #[getter]
-    fn element(&self) -> &'static str {
-        self.analysis.problem.formulation.name()
+    fn element(&self) -> String {
+        self.analysis.problem.element_names()
     }
 
     /// What part of the body is modelled, if that is known.
@@ -220,8 +220,16 @@ impl Analysis {
     /// Nodes of every cell in VTK's order.
     #[getter]
     fn cells(&self) -> Array {
-        let columns = self.analysis.problem.mesh.kind.num_nodes();
+        // Cells of several kinds have rows of several lengths: one list.
+        let columns = self.analysis.problem.mesh.kinds.only().map_or(1, |kind| kind.num_nodes());
         Array::of(&self.analysis, columns, |analysis| &analysis.problem.mesh.connectivity)
+    }
+
+    /// Number of nodes of every cell.
+    #[getter]
+    fn cell_sizes(&self) -> Vec<usize> {
+        let mesh = &self.analysis.problem.mesh;
+        (0..mesh.num_elements()).map(|element| mesh.kind_of(element).num_nodes()).collect()
     }
 
     /// VTK's type of every cell.
@@ -291,8 +299,9 @@ fn facets(mesh: &Mesh, name: &str, (bytes, columns): Faces) -> Result<Vec<Facet>
     let rows = members.chunks_exact(columns);
     let found: Result<Vec<Facet>, Error> = if columns == 2 {
         let facet = |row: &[u32]| {
-            let face = u8::try_from(row[1]).ok().filter(|face| usize::from(*face) < mesh.kind.num_faces());
-            let face = face.filter(|_| (row[0] as usize) < mesh.num_elements());
+            let is_there = |face: &u8| usize::from(*face) < mesh.kind_of(row[0] as usize).num_faces();
+            let face = u8::try_from(row[1]).ok().filter(|_| (row[0] as usize) < mesh.num_elements());
+            let face = face.filter(is_there);
             let face = face.ok_or_else(|| missing(format!("cell {} has no face {}", row[0], row[1])))?;
             Ok(Facet { element: row[0], face })
         };

@@ -8,7 +8,7 @@ use pneuflex_model::{Curve, LoadParameter, Problem};
 use crate::differentiate::{cross, dot};
 use crate::elements;
 use crate::error::ReferenceError;
-use crate::shape::ShapeFunctions;
+use crate::shape::{ShapeFunctions, face_functions};
 
 /// The conservative loads of a problem.
 #[derive(Clone, Debug)]
@@ -66,11 +66,10 @@ impl ConservativeLoads {
 /// ∫ N_a dA₀ of every node of every facet, mm².
 fn shares_of_area(problem: &Problem, facets: &[Facet]) -> Result<Vec<(u32, f64)>, ReferenceError> {
     let mesh = &problem.mesh;
-    let kind = mesh.surface_kind(facets);
-    let shape = ShapeFunctions::of_face(kind).ok_or_else(|| wrong_element(problem))?;
     let mut shares = Vec::new();
     for &facet in facets {
         let nodes = mesh.facet_nodes(facet);
+        let (kind, shape) = face_functions(problem, facet)?;
         for (xi, weight) in elements::face_rule(kind) {
             let gradients = shape.gradients(&xi);
             let tangent = |d: usize| -> [f64; 3] {
@@ -89,13 +88,15 @@ fn shares_of_area(problem: &Problem, facets: &[Facet]) -> Result<Vec<(u32, f64)>
 /// ∫ ρ N_a dV₀ of every node of every element, t.
 fn shares_of_mass(problem: &Problem, chosen: &[u32]) -> Result<Vec<(u32, f64)>, ReferenceError> {
     let mesh = &problem.mesh;
-    let shape = ShapeFunctions::of_element(mesh.kind).ok_or_else(|| wrong_element(problem))?;
     let (materials, material_of) = problem.materials();
     let mut shares = Vec::new();
     for &element in chosen {
         let nodes = mesh.element(element as usize);
+        let kind = mesh.kind_of(element as usize);
+        let wrong = || ReferenceError::WrongElement { formulation: problem.formulation, found: kind };
+        let shape = ShapeFunctions::of_element(kind).ok_or_else(wrong)?;
         let density = 1e-9 * materials[usize::from(material_of[element as usize])].density;
-        for (xi, weight) in elements::volume_rule(mesh.kind) {
+        for (xi, weight) in elements::volume_rule(kind) {
             let gradients = shape.gradients(&xi);
             let jacobian = Matrix3::from_fn(|i, j| {
                 coordinates(mesh, nodes, i).zip(&gradients).map(|(x, g)| x * g[j]).sum::<f64>()
@@ -109,10 +110,6 @@ fn shares_of_mass(problem: &Problem, chosen: &[u32]) -> Result<Vec<(u32, f64)>, 
 
 fn coordinates<'a>(mesh: &'a Mesh, nodes: &'a [u32], axis: usize) -> impl Iterator<Item = f64> + 'a {
     nodes.iter().map(move |&node| mesh.nodes[node as usize][axis])
-}
-
-fn wrong_element(problem: &Problem) -> ReferenceError {
-    ReferenceError::WrongElement { formulation: problem.formulation, found: problem.mesh.kind }
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ use crate::closest_point::{centre, distance, excess, interpolate, penalty, proje
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot, minus, vector};
 use crate::elements;
 use crate::error::{ReferenceError, Unmodelled};
-use crate::shape::ShapeFunctions;
+use crate::shape::{ShapeFunctions, face_functions};
 
 /// A projection counts as inside its facet up to this excess of |ξ|, |η| over 1 (or over a triangle's sides).
 const INSIDE: f64 = 1e-9;
@@ -59,9 +59,12 @@ pub struct ContactPoint {
 pub struct ContactModel {
     surface_pairs: Vec<SurfacePair>,
     positions: Vec<[f64; 3]>,
-    shape: ShapeFunctions<2>,
-    kind: FaceKind,
+    // Of every family of faces that there is.
+    shapes: Vec<(FaceKind, ShapeFunctions<2>)>,
 }
+
+/// A facet: its family and nodes.
+type Face = (FaceKind, Vec<u32>);
 
 /// Points of one surface against another.
 #[derive(Clone, Debug)]
@@ -71,10 +74,14 @@ struct SurfacePair {
     stiffness: f64,
     // Share of the slave's area that its points stand for.
     share: f64,
-    // Nodes of every facet.
-    slave: Vec<Vec<u32>>,
-    master: Vec<Vec<u32>>,
-    rule: Vec<([f64; 2], f64)>,
+    slave: Vec<Face>,
+    master: Vec<Face>,
+}
+
+impl SurfacePair {
+    fn rule(&self, kind: FaceKind) -> Vec<([f64; 2], f64)> {
+        if self.is_single_point { elements::centre_rule(kind) } else { elements::contact_rule(kind) }
+    }
 }
 
 /// ½ k A ⟨−d⟩² with a given master point; v holds r_s, r_m, r_m,ξ, r_m,η.
@@ -123,16 +130,22 @@ impl ContactModel {
     /// ([`Unmodelled`]).
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
-        let kind = mesh.kind.face_kind(0);
-        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
+        let mut shapes: Vec<(FaceKind, ShapeFunctions<2>)> = Vec::new();
+        for &facet in problem.contact_pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master)) {
+            let kind = mesh.face_kind(facet);
+            if shapes.iter().all(|(known, _)| *known != kind) {
+                shapes.push(face_functions(problem, facet)?);
+            }
+        }
         // The actuator's mesh builder has made pairs of the two flags.
         let Contact { method, stiffness, two_pass: _, self_contact: _, penetration_tolerance } = &problem.contact;
         if penetration_tolerance.is_some() {
             let (part, name) = (Unmodelled::PenetrationTolerance, "contact.penetration_tolerance".into());
             return Err(ReferenceError::NotModelled { part, name });
         }
-        let nodes = |facets: &[Facet]| -> Vec<Vec<u32>> { facets.iter().map(|&f| mesh.facet_nodes(f)).collect() };
+        let faces = |facets: &[Facet]| -> Vec<Face> {
+            facets.iter().map(|&f| (mesh.face_kind(f), mesh.facet_nodes(f))).collect()
+        };
         let mut surface_pairs = Vec::new();
         for pair in &problem.contact_pairs {
             let ContactPair { name, slave, master, method: own_method, stiffness: own_stiffness, is_two_pass, .. } =
@@ -156,24 +169,24 @@ impl ContactModel {
                 let (pair, slave, master) = (name.clone(), slave.len(), master.len());
                 return Err(ReferenceError::UnpairedFacets { pair, slave, master });
             }
-            let (slave, master) = (nodes(slave), nodes(master));
-            if slave.iter().flatten().any(|node| master.iter().flatten().any(|other| other == node)) {
+            let (slave, master) = (faces(slave), faces(master));
+            let mut of_slave = slave.iter().flat_map(|(_, nodes)| nodes);
+            if of_slave.any(|node| master.iter().any(|(_, nodes)| nodes.contains(node))) {
                 return Err(ReferenceError::NotModelled { part: Unmodelled::SelfContact, name: name.clone() });
             }
-            let surface_pair = |slave: &Vec<Vec<u32>>, master: &Vec<Vec<u32>>| SurfacePair {
+            let surface_pair = |slave: &[Face], master: &[Face]| SurfacePair {
                 is_single_point,
                 stiffness: own_stiffness.unwrap_or(*stiffness),
                 share: if *is_two_pass { 0.5 } else { 1.0 },
-                slave: slave.clone(),
-                master: master.clone(),
-                rule: if is_single_point { elements::centre_rule(kind) } else { elements::contact_rule(kind) },
+                slave: slave.to_vec(),
+                master: master.to_vec(),
             };
             surface_pairs.push(surface_pair(&slave, &master));
             if *is_two_pass {
                 surface_pairs.push(surface_pair(&master, &slave));
             }
         }
-        Ok(Self { surface_pairs, positions: mesh.nodes.clone(), shape, kind })
+        Ok(Self { surface_pairs, positions: mesh.nodes.clone(), shapes })
     }
 
     /// ½ k ∫⟨−d⟩² dA₀ at displacements `u`, N·mm.
@@ -199,23 +212,24 @@ impl ContactModel {
     pub fn points(&self, u: &[f64]) -> Vec<ContactPoint> {
         let mut points = Vec::new();
         for (number, pair) in self.surface_pairs.iter().enumerate() {
-            for (slave, nodes) in pair.slave.iter().enumerate() {
-                for (point, &(xi, weight)) in pair.rule.iter().enumerate() {
-                    let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| self.shape.derivatives(orders, &xi));
+            for (slave, (kind, nodes)) in pair.slave.iter().enumerate() {
+                for (point, (xi, weight)) in pair.rule(*kind).into_iter().enumerate() {
+                    let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| self.shape(*kind).derivatives(orders, &xi));
                     let at = |k: usize, nodes: &[[f64; 3]]| interpolate(nodes, &rows[k]);
                     let reference: Vec<_> = nodes.iter().map(|&n| self.positions[n as usize]).collect();
                     let normal = cross(at(1, &reference), at(2, &reference));
                     let area = pair.share * weight * dot(normal, normal).sqrt();
                     let r_s = at(0, &self.deformed(nodes, u));
                     let found = if pair.is_single_point {
-                        Some((slave, centre(self.kind)))
+                        Some((slave, centre(pair.master[slave].0)))
                     } else {
                         self.closest(pair, r_s, u)
                     };
                     if let Some((master, xi)) = found {
-                        let nodes = self.deformed(&pair.master[master], u);
+                        let (kind, nodes) = &pair.master[master];
+                        let nodes = self.deformed(nodes, u);
                         let [r_m, along_xi, along_eta] = [[0, 0], [1, 0], [0, 1]]
-                            .map(|orders| interpolate(&nodes, &self.shape.derivatives(orders, &xi)));
+                            .map(|orders| interpolate(&nodes, &self.shape(*kind).derivatives(orders, &xi)));
                         let gap = distance(r_s, r_m, along_xi, along_eta);
                         points.push(ContactPoint { surface_pair: number, slave, point, master, xi, gap, area });
                     }
@@ -229,10 +243,10 @@ impl ContactModel {
     fn closest(&self, pair: &SurfacePair, r_s: [f64; 3], u: &[f64]) -> Option<(usize, [f64; 2])> {
         let candidates: Vec<(usize, [f64; 2], f64)> = (pair.master.iter())
             .enumerate()
-            .filter_map(|(master, nodes)| {
-                let nodes = self.deformed(nodes, u);
-                let xi = project(&self.shape, centre(self.kind), r_s, &nodes)?;
-                let offset = minus(r_s, interpolate(&nodes, &self.shape.derivatives([0, 0], &xi)));
+            .filter_map(|(master, (kind, nodes))| {
+                let (shape, nodes) = (self.shape(*kind), self.deformed(nodes, u));
+                let xi = project(shape, centre(*kind), r_s, &nodes)?;
+                let offset = minus(r_s, interpolate(&nodes, &shape.derivatives([0, 0], &xi)));
                 Some((master, xi, dot(offset, offset)))
             })
             .collect();
@@ -240,11 +254,16 @@ impl ContactModel {
             // `min_by` returns the first of equals.
             candidates
                 .iter()
-                .filter(|(_, xi, _)| excess(self.kind, xi) <= limit)
+                .filter(|(master, xi, _)| excess(pair.master[*master].0, xi) <= limit)
                 .min_by(|a, b| a.2.total_cmp(&b.2))
                 .map(|&(master, xi, _)| (master, xi))
         };
         nearest_within(INSIDE).or_else(|| nearest_within(MARGIN))
+    }
+
+    fn shape(&self, kind: FaceKind) -> &ShapeFunctions<2> {
+        let known = self.shapes.iter().find(|(known, _)| *known == kind);
+        &known.expect("there are functions for every face of the pairs").1
     }
 
     fn deformed(&self, nodes: &[u32], u: &[f64]) -> Vec<[f64; 3]> {
@@ -259,20 +278,22 @@ impl ContactModel {
 
     fn term(&self, point: &ContactPoint) -> Box<dyn Differentiable + '_> {
         let pair = &self.surface_pairs[point.surface_pair];
-        let (slave, master) = (&pair.slave[point.slave], &pair.master[point.master]);
-        let (nodes, n) = ([slave.clone(), master.clone()].concat(), slave.len());
-        let on_slave = [self.shape.values(&pair.rule[point.point].0), vec![0.0; n]].concat();
+        let ((slave_kind, slave), (kind, master)) = (&pair.slave[point.slave], &pair.master[point.master]);
+        let (nodes, own, n) = ([slave.clone(), master.clone()].concat(), slave.len(), master.len());
+        let xi = pair.rule(*slave_kind)[point.point].0;
+        let on_slave = [self.shape(*slave_kind).values(&xi), vec![0.0; n]].concat();
+        let shape = self.shape(*kind);
         let stiffness = pair.stiffness * point.area;
         if pair.is_single_point {
-            let on_master = [[0, 0], [1, 0], [0, 1]]
-                .map(|orders| [vec![0.0; n], self.shape.derivatives(orders, &point.xi)].concat());
+            let on_master =
+                [[0, 0], [1, 0], [0, 1]].map(|orders| [vec![0.0; own], shape.derivatives(orders, &point.xi)].concat());
             let rows = [&[on_slave], &on_master[..]].concat();
             let map = LinearMap::of_positions(&nodes, &self.positions, &rows);
             return Box::new(Term::<12, _> { energy: FixedPoint { stiffness }, map });
         }
         let mut rows = vec![on_slave];
-        rows.extend((0..n).map(|a| (0..2 * n).map(|b| f64::from(b == n + a)).collect()));
-        let energy = ClosestPoint { stiffness, shape: &self.shape, xi: point.xi };
+        rows.extend((0..n).map(|a| (0..own + n).map(|b| f64::from(b == own + a)).collect()));
+        let energy = ClosestPoint { stiffness, shape, xi: point.xi };
         match n {
             6 => Box::new(Term::<21, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),
             7 => Box::new(Term::<24, _> { energy, map: LinearMap::of_positions(&nodes, &self.positions, &rows) }),

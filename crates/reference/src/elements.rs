@@ -8,6 +8,7 @@
 //! | `hex27` | 3×3×3 | 3×3×3 | 1, ξ, η, ζ |
 //! | `tet10` | 4 | 3×3×3, collapsed | 1 |
 //! | `tet15` | 14 | 14 | 1, ξ, η, ζ |
+//! | `wedge21` | 7 × 3 | 7 × 3 | 1, ξ, η, ζ |
 
 use std::collections::BTreeMap;
 
@@ -28,6 +29,19 @@ pub enum Span {
     TotalDegree2,
     /// Those of total degree up to 2, the product of the barycentric coordinates of every face, and that of all.
     Bubbles,
+    /// Products of functions of x and y and of z.
+    Prism(Prism),
+}
+
+/// How many products a wedge has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Prism {
+    /// z² times the linear functions of the triangle only.
+    Serendipity,
+    /// All of the quadratic ones.
+    Full,
+    /// All of the quadratic ones and of the triangle's bubble.
+    Bubble,
 }
 
 impl Span {
@@ -37,6 +51,10 @@ impl Span {
             Self::Squares(most) => exponents.iter().filter(|&&e| e == 2).count() <= most,
             Self::TotalDegree2 => exponents.iter().sum::<usize>() <= 2,
             Self::Bubbles => exponents.iter().sum::<usize>() <= 2 || exponents == [1, 1, 1],
+            Self::Prism(prism) => {
+                let in_plane = exponents[..2].iter().sum::<usize>();
+                in_plane <= 2 && (prism != Prism::Serendipity || exponents[2] < 2 || in_plane < 2)
+            }
         }
     }
 
@@ -57,6 +75,11 @@ impl Span {
             }
             found.extend(sums.into_values());
         }
+        if let Self::Prism(Prism::Bubble) = self {
+            // x y (1 − x − y) zᵏ: beside what is there, (x²y + x y²) zᵏ.
+            let of = |x: usize, y: usize, z: usize| std::array::from_fn(|d| [x, y, z][d]);
+            found.extend((0..3).map(|z| vec![of(2, 1, z), of(1, 2, z)]));
+        }
         found
     }
 }
@@ -69,6 +92,9 @@ pub fn span_of_element(kind: ElementKind) -> Span {
         ElementKind::Hex27 => Span::Squares(3),
         ElementKind::Tet10 => Span::TotalDegree2,
         ElementKind::Tet15 => Span::Bubbles,
+        ElementKind::Wedge15 => Span::Prism(Prism::Serendipity),
+        ElementKind::Wedge18 => Span::Prism(Prism::Full),
+        ElementKind::Wedge21 => Span::Prism(Prism::Bubble),
     }
 }
 
@@ -93,12 +119,15 @@ pub fn face_rule(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     }
 }
 
-/// A rule for weights: at least 3×3×3 points, collapsed on tetrahedra.
+/// A rule for weights: at least 3×3×3 points, collapsed on tetrahedra, 16 × 3 on wedges.
 pub fn volume_rule(kind: ElementKind) -> Vec<([f64; 3], f64)> {
     match kind {
         ElementKind::Hex8 | ElementKind::Hex20 | ElementKind::Hex27 => quadrature::tensor(3),
         ElementKind::Tet10 => quadrature::collapsed(3),
         ElementKind::Tet15 => quadrature::collapsed(5),
+        ElementKind::Wedge15 | ElementKind::Wedge18 | ElementKind::Wedge21 => {
+            quadrature::prism(&quadrature::triangle_of_degree_8())
+        }
     }
 }
 
@@ -136,6 +165,10 @@ pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
         Formulation::Tet15 => {
             quadrature::tetrahedron_of_degree_5().into_iter().map(|(xi, w)| (xi, w, true, true)).collect()
         }
+        Formulation::Wedge21 => {
+            let points = quadrature::prism(&quadrature::triangle_of_degree_5());
+            points.into_iter().map(|(xi, w)| (xi, w, true, true)).collect()
+        }
     }
 }
 
@@ -143,7 +176,7 @@ pub fn rule(formulation: Formulation) -> Vec<RulePoint> {
 pub fn num_pressures(formulation: Formulation) -> usize {
     match formulation {
         Formulation::Hex8Sri | Formulation::Hex8Q1p0 | Formulation::Tet10 => 1,
-        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => 4,
+        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 | Formulation::Wedge21 => 4,
     }
 }
 
@@ -157,7 +190,7 @@ pub fn fluctuation_modulus(formulation: Formulation, material: &Material) -> f64
     };
     let modulus = match formulation {
         Formulation::Hex8Sri | Formulation::Hex8Q1p0 => 0.0,
-        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => lack,
+        Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 | Formulation::Wedge21 => lack,
         Formulation::Tet10 => material.shear_modulus() + lack,
     };
     modulus.min(0.5 * material.bulk_modulus)

@@ -11,7 +11,7 @@ use pneuflex_model::Problem;
 use crate::differentiate::{Dual, Energy, LinearMap, cross, dot, gradient_of, hessian_of, vector};
 use crate::elements;
 use crate::error::ReferenceError;
-use crate::shape::ShapeFunctions;
+use crate::shape::face_functions;
 
 /// Minus the virtual work of a unit pressure at one facet point; v holds δr, r_ξ, r_η.
 #[derive(Clone, Debug)]
@@ -40,11 +40,9 @@ impl FollowerPressure {
     /// An element family without a formulation.
     pub fn new(problem: &Problem, facets: &[Facet]) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
-        let kind = mesh.surface_kind(facets);
-        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
         let mut points = Vec::new();
         for &facet in facets {
+            let (kind, shape) = face_functions(problem, facet)?;
             for (xi, weight) in elements::face_rule(kind) {
                 let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| shape.derivatives(orders, &xi));
                 let map = LinearMap::of_positions(&mesh.facet_nodes(facet), &mesh.nodes, &rows);

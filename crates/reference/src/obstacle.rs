@@ -7,7 +7,7 @@ use crate::closest_point::penalty;
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, dot};
 use crate::elements;
 use crate::error::{ReferenceError, Unmodelled};
-use crate::shape::ShapeFunctions;
+use crate::shape::face_functions;
 
 /// ½ k A ⟨−φ⟩² of a point; v is its position.
 #[derive(Clone, Debug)]
@@ -94,12 +94,10 @@ impl ObstacleModel {
             return Err(ReferenceError::NotModelled { part, name });
         }
         let mesh = &problem.mesh;
-        let kind = mesh.surface_kind(facets);
-        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let functions = ShapeFunctions::of_face(kind).ok_or(wrong)?;
         let mut points = Vec::new();
         for &facet in facets {
             let nodes = mesh.facet_nodes(facet);
+            let (kind, functions) = face_functions(problem, facet)?;
             for (xi, weight) in elements::contact_rule(kind) {
                 let map = LinearMap::of_positions(&nodes, &mesh.nodes, &[functions.values(&xi)]);
                 let [along_xi, along_eta] = [[1, 0], [0, 1]].map(|orders| -> [f64; 3] {

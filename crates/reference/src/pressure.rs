@@ -14,7 +14,7 @@ use pneuflex_model::Problem;
 use crate::differentiate::{Differentiable, Dual, Energy, LinearMap, Term, cross, vector};
 use crate::elements;
 use crate::error::ReferenceError;
-use crate::shape::ShapeFunctions;
+use crate::shape::face_functions;
 
 /// Weights (a, b, c) of a closed surface, or one cut by planes through the origin only.
 pub const CLOSED: [f64; 3] = [1.0 / 3.0; 3];
@@ -56,16 +56,13 @@ impl AirModel {
     /// An element family without a formulation.
     pub fn new(problem: &Problem, facets: &[Facet], axes: [f64; 3], plane_y: f64) -> Result<Self, ReferenceError> {
         let mesh = &problem.mesh;
-        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: mesh.kind };
-        let kind = mesh.surface_kind(facets);
-        let shape = ShapeFunctions::of_face(kind).ok_or(wrong)?;
-        let rule = elements::face_rule(kind);
         let mut terms = Vec::new();
         for &facet in facets {
-            for (xi, weight) in &rule {
-                let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| shape.derivatives(orders, xi));
+            let (kind, shape) = face_functions(problem, facet)?;
+            for (xi, weight) in elements::face_rule(kind) {
+                let rows = [[0, 0], [1, 0], [0, 1]].map(|orders| shape.derivatives(orders, &xi));
                 let map = LinearMap::of_positions(&mesh.facet_nodes(facet), &mesh.nodes, &rows);
-                terms.push(Term { energy: VolumePoint { weight: *weight, axes, plane_y }, map });
+                terms.push(Term { energy: VolumePoint { weight, axes, plane_y }, map });
             }
         }
         Ok(Self { num_dofs: problem.num_dofs(), terms })

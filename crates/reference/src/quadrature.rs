@@ -127,6 +127,24 @@ pub fn triangle_of_degree_8() -> Vec<([f64; 2], f64)> {
     rule
 }
 
+/// Seven points of degree 5 on the unit triangle (Radon 1948), in numbers.
+pub fn triangle_of_degree_5() -> Vec<([f64; 2], f64)> {
+    let mut rule = vec![([1.0 / 3.0; 2], 0.1125)];
+    for (a, w) in
+        [(0.101_286_507_323_456_34, 0.062_969_590_272_413_58), (0.470_142_064_105_115_1, 0.066_197_076_394_253_1)]
+    {
+        let b = 1.0 - 2.0 * a;
+        rule.extend([([a, a], w), ([b, a], w), ([a, b], w)]);
+    }
+    rule
+}
+
+/// A rule on the unit triangle times Gauss's with three points along the third axis.
+pub fn prism(triangle: &[([f64; 2], f64)]) -> Vec<([f64; 3], f64)> {
+    let line = gauss(3);
+    line.iter().flat_map(|&(z, v)| triangle.iter().map(move |&([x, y], w)| ([x, y, z], v * w))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,9 +6,11 @@
 //! Nᵢ(ξⱼ) = δᵢⱼ then fixes the coefficients: the inverse of the Vandermonde matrix of the nodes.
 
 use nalgebra::DMatrix;
-use pneuflex_mesh::{ElementKind, FaceKind};
+use pneuflex_mesh::{ElementKind, FaceKind, Facet};
+use pneuflex_model::Problem;
 
 use crate::elements::{self, Span};
+use crate::error::ReferenceError;
 
 use crate::differentiate::Dual;
 
@@ -33,6 +35,17 @@ impl ShapeFunctions<2> {
     pub fn of_face(kind: FaceKind) -> Option<Self> {
         Self::from_nodes(kind.nodes, elements::span_of_face(kind))
     }
+}
+
+/// Family and shape functions of a face of a problem's mesh.
+///
+/// # Errors
+/// Functions that are not determined by the nodes.
+pub fn face_functions(problem: &Problem, facet: Facet) -> Result<(FaceKind, ShapeFunctions<2>), ReferenceError> {
+    let kind = problem.mesh.face_kind(facet);
+    let found = problem.mesh.kind_of(facet.element as usize);
+    let wrong = || ReferenceError::WrongElement { formulation: problem.formulation, found };
+    Ok((kind, ShapeFunctions::of_face(kind).ok_or_else(wrong)?))
 }
 
 impl<const DIM: usize> ShapeFunctions<DIM> {

@@ -87,22 +87,33 @@ impl SolidModel {
     /// # Errors
     /// An element family that does not fit the formulation, an inverted element, or a law with an invariant that it does not have.
     pub fn new(problem: &Problem) -> Result<Self, ReferenceError> {
-        let kind = problem.mesh.kind;
-        let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: kind };
-        if problem.formulation.element_kind() != kind {
-            return Err(wrong);
+        let families = problem.mesh.families();
+        let pressures_per_element = elements::num_pressures(problem.formulation);
+        let mut shapes = Vec::new();
+        for &found in &families {
+            let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found };
+            // Beside elements of other families there are those whose faces fit.
+            let fits = match families.len() {
+                1 => problem.formulation.element_kind() == found,
+                _ => Formulation::of_kind(found).is_some_and(|f| elements::num_pressures(f) == pressures_per_element),
+            };
+            let shape = ShapeFunctions::of_element(found).filter(|_| fits).ok_or(wrong)?;
+            shapes.push((found, shape));
         }
-        let shape = ShapeFunctions::of_element(kind).ok_or(wrong)?;
         check_material("material", &problem.material)?;
         for Region { name, elements: _, material } in &problem.regions {
             check_material(name, material)?;
         }
-        let pressures_per_element = elements::num_pressures(problem.formulation);
         let (materials, material_of) = problem.materials();
         let has_own_dilatation = materials.iter().any(|material| material.volumetric != Volumetric::Quadratic);
         let fields = Fields { modes: pressures_per_element, has_own_dilatation };
         let elements = (0..problem.mesh.num_elements())
-            .map(|e| build_element(problem, e, materials[usize::from(material_of[e])], &shape, fields))
+            .map(|e| {
+                let kind = problem.mesh.kind_of(e);
+                let shape = shapes.iter().find(|(known, _)| *known == kind).map(|(_, shape)| shape);
+                let wrong = ReferenceError::WrongElement { formulation: problem.formulation, found: kind };
+                build_element(problem, e, materials[usize::from(material_of[e])], shape.ok_or(wrong)?, fields)
+            })
             .collect::<Result<_, _>>()?;
         Ok(Self { num_dofs: problem.num_dofs(), pressures_per_element: fields.number(), elements })
     }
@@ -285,6 +296,7 @@ fn build_element(
     shape: &ShapeFunctions<3>,
     fields: Fields,
 ) -> Result<Element, ReferenceError> {
+    let formulation = problem.formulation.beside(problem.mesh.kind_of(e));
     let nodes = problem.mesh.element(e);
     let positions: Vec<[f64; 3]> = nodes.iter().map(|&n| problem.mesh.nodes[n as usize]).collect();
     let geometry = |xi: &[f64; 3]| {
@@ -297,7 +309,7 @@ fn build_element(
     let volume = || quadrature::tensor(2).iter().map(|(xi, w)| w * geometry(xi).1.determinant()).sum::<f64>();
 
     let mut terms = Vec::new();
-    for (xi, weight, is_deviatoric, is_volumetric) in elements::rule(problem.formulation) {
+    for (xi, weight, is_deviatoric, is_volumetric) in elements::rule(formulation) {
         let (gradients, jacobian) = geometry(&xi);
         let determinant = jacobian.determinant();
         let inverse = jacobian.try_inverse().filter(|_| determinant > 0.0);
@@ -320,11 +332,10 @@ fn build_element(
             }
         }
         let offset = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-        let w =
-            if problem.formulation == Formulation::Hex8Sri && is_volumetric { volume() } else { weight * determinant };
+        let w = if formulation == Formulation::Hex8Sri && is_volumetric { volume() } else { weight * determinant };
         let energy = SaddlePoint {
             material: material.clone(),
-            fluctuation_modulus: elements::fluctuation_modulus(problem.formulation, material),
+            fluctuation_modulus: elements::fluctuation_modulus(formulation, material),
             has_own_dilatation: fields.has_own_dilatation,
             deviatoric: if is_deviatoric { w } else { 0.0 },
             volumetric: if is_volumetric { w } else { 0.0 },

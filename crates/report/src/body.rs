@@ -3,19 +3,30 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::family::ElementFamily;
-use pneuflex_mesh::{Mesh, shape};
+use pneuflex_mesh::{ElementKind, Mesh, shape};
 
 /// Nodes and elements that can be divided into tetrahedra.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Element family: one that can be divided.
-    pub family: &'static ElementFamily,
     /// Reference positions, mm: the mesh's nodes in their order, then the added ones.
     pub nodes: Vec<[f64; 3]>,
-    /// Node numbers, `family.num_nodes()` per element.
-    pub connectivity: Vec<u32>,
+    /// Family of every element: one that can be divided.
+    families: Vec<&'static ElementFamily>,
+    /// Node numbers, element by element.
+    connectivity: Vec<u32>,
+    /// Where the nodes of every element begin, and where the last one's end.
+    starts: Vec<usize>,
     /// The added nodes as weighted sums of the mesh's.
     added: Vec<Vec<(u32, f64)>>,
+}
+
+/// The elements of one family.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The family.
+    pub family: &'static ElementFamily,
+    /// Node numbers, `family.num_nodes()` per element.
+    pub connectivity: Vec<u32>,
 }
 
 impl Body {
@@ -23,44 +34,81 @@ impl Body {
     /// element's own position; all other families stay as they are.
     pub fn new(mesh: &Mesh) -> Self {
         let mut body = Self {
-            family: mesh.kind.family(),
             nodes: mesh.nodes.clone(),
-            connectivity: mesh.connectivity.clone(),
+            families: Vec::with_capacity(mesh.num_elements()),
+            connectivity: Vec::with_capacity(mesh.connectivity.len()),
+            starts: vec![0],
             added: Vec::new(),
         };
-        if let Some(family) = mesh.kind.completed_by {
-            body.family = family();
-            body.complete(mesh);
+        // Two elements share the node of a face, which is known by its corners.
+        let mut in_faces: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for element in 0..mesh.num_elements() {
+            let kind = mesh.kind_of(element);
+            match kind.completed_by {
+                Some(family) => body.complete(mesh.element(element), kind, family(), &mut in_faces),
+                None => {
+                    body.families.push(kind.family());
+                    body.connectivity.extend(mesh.element(element));
+                }
+            }
+            body.starts.push(body.connectivity.len());
         }
         body
     }
 
-    fn complete(&mut self, mesh: &Mesh) {
-        self.connectivity.clear();
-        let (centre_weights, _) = shape::tabulate(mesh.kind, mesh.kind.centre());
-        // Two elements share the node of a face, which is known by its corners.
-        let mut in_faces: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-        for element in 0..mesh.num_elements() {
-            let own = mesh.element(element);
-            self.connectivity.extend(own);
-            for face in 0..mesh.kind.num_faces() {
-                let nodes: Vec<u32> = mesh.kind.face_nodes(face).iter().map(|&n| own[n]).collect();
-                let kind = mesh.kind.face_kind(face);
-                let mut key = nodes[..kind.num_corners()].to_vec();
-                key.sort_unstable();
-                let node = match in_faces.get(&key) {
-                    Some(&node) => node,
-                    None => {
-                        let weights = shape::evaluate_face(kind, kind.centre()).values;
-                        self.add(nodes.iter().copied().zip(weights).collect())
-                    }
-                };
-                in_faces.insert(key, node);
-                self.connectivity.push(node);
+    /// Family and nodes of an element.
+    pub fn element(&self, element: usize) -> (&'static ElementFamily, &[u32]) {
+        (self.families[element], &self.connectivity[self.starts[element]..self.starts[element + 1]])
+    }
+
+    /// The elements of every family, in their order.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut blocks: Vec<Block> = Vec::new();
+        for element in 0..self.families.len() {
+            let (family, nodes) = self.element(element);
+            match blocks.iter_mut().find(|block| std::ptr::eq(block.family, family)) {
+                Some(block) => block.connectivity.extend(nodes),
+                None => blocks.push(Block { family, connectivity: nodes.to_vec() }),
             }
-            let centre = self.add(own.iter().copied().zip(centre_weights.iter().copied()).collect());
-            self.connectivity.push(centre);
         }
+        blocks
+    }
+
+    fn complete(
+        &mut self,
+        own: &[u32],
+        kind: ElementKind,
+        family: &'static ElementFamily,
+        in_faces: &mut BTreeMap<Vec<u32>, u32>,
+    ) {
+        let place =
+            |local| family.place_of(&kind, local).expect("the completed family has all nodes of the poorer one");
+        let mut all: Vec<Option<u32>> = vec![None; family.num_nodes()];
+        own.iter().enumerate().for_each(|(local, &node)| all[place(local)] = Some(node));
+        for face in 0..kind.num_faces() {
+            let Some(&centre) = family.face_nodes(face).iter().find(|&&local| all[local].is_none()) else { continue };
+            let nodes: Vec<u32> = kind.face_nodes(face).iter().map(|&n| own[n]).collect();
+            let kind = kind.face_kind(face);
+            let mut key = nodes[..kind.num_corners()].to_vec();
+            key.sort_unstable();
+            let node = match in_faces.get(&key) {
+                Some(&node) => node,
+                None => {
+                    let weights = shape::evaluate_face(kind, kind.centre()).values;
+                    self.add(nodes.iter().copied().zip(weights).collect())
+                }
+            };
+            in_faces.insert(key, node);
+            all[centre] = Some(node);
+        }
+        for local in 0..all.len() {
+            let node = all[local].unwrap_or_else(|| {
+                let (weights, _) = shape::tabulate(kind, family.nodes[local]);
+                self.add(own.iter().copied().zip(weights).collect())
+            });
+            self.connectivity.push(node);
+        }
+        self.families.push(family);
     }
 
     fn add(&mut self, sum: Vec<(u32, f64)>) -> u32 {
@@ -95,11 +143,14 @@ mod tests {
         for formulation in Formulation::ALL {
             let mesh = two_chambers(formulation).mesh;
             let body = Body::new(&mesh);
-            let parts = tetrahedra(body.family);
-            let sum: f64 = (body.connectivity.chunks(body.family.num_nodes()))
-                .flat_map(|element| parts.iter().map(move |part| part.map(|n| element[usize::from(n)])))
-                .map(|part| volume(part.map(|n| body.nodes[n as usize])))
-                .sum();
+            let of_block = |block: &Block| -> f64 {
+                let parts = tetrahedra(block.family);
+                (block.connectivity.chunks(block.family.num_nodes()))
+                    .flat_map(|element| parts.iter().map(move |part| part.map(|n| element[usize::from(n)])))
+                    .map(|part| volume(part.map(|n| body.nodes[n as usize])))
+                    .sum()
+            };
+            let sum: f64 = body.blocks().iter().map(of_block).sum();
             assert!((sum / mesh.volume() - 1.0).abs() < 1e-12, "{formulation}: {sum} {}", mesh.volume());
         }
     }

@@ -3,7 +3,7 @@
 use pneuflex_model::SymmetryPlane;
 use serde::Serialize;
 
-use crate::body::Body;
+use crate::body::{Block, Body};
 use crate::error::ReportError;
 use crate::obstacles::{self, Drawn};
 use crate::quantise::{Quantised, floats, integers};
@@ -32,6 +32,14 @@ struct ClockData<'a> {
     parameters: Option<&'a [f64]>,
 }
 
+/// Elements of one family.
+#[derive(Serialize)]
+struct BlockData {
+    nodes: String,
+    nodes_per_element: usize,
+    tetrahedra: Vec<[u8; 4]>,
+}
+
 #[derive(Serialize)]
 struct BodyData<'a> {
     /// Whether the other half is the mirror image at y = 0.
@@ -39,9 +47,7 @@ struct BodyData<'a> {
     /// Point that the positions of nodes are relative to, mm: those of a small body far away would lose digits.
     origin: [f64; 3],
     nodes: String,
-    elements: String,
-    nodes_per_element: usize,
-    tetrahedra: Vec<[u8; 4]>,
+    elements: Vec<BlockData>,
     skin_vertices: String,
     skin_triangles: String,
     skin_parts: [usize; 2],
@@ -98,6 +104,14 @@ pub fn for_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
+fn block_data(block: &Block) -> BlockData {
+    BlockData {
+        nodes: integers(&block.connectivity),
+        nodes_per_element: block.family.num_nodes(),
+        tetrahedra: tetrahedra(block.family),
+    }
+}
+
 fn body_data<'a>(report: &'a Report<'_>, states: &[State], series: &Series) -> Result<BodyData<'a>, ReportError> {
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
@@ -115,9 +129,7 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State], series: &Series) -> R
         mirrored: report.mirrored(),
         origin,
         nodes: floats(&nodes),
-        elements: integers(&body.connectivity),
-        nodes_per_element: body.family.num_nodes(),
-        tetrahedra: tetrahedra(body.family),
+        elements: body.blocks().iter().map(block_data).collect(),
         skin_vertices: integers(&skin.vertices),
         skin_triangles: integers(skin.triangles.as_flattened()),
         skin_parts: skin.parts,

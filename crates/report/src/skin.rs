@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use pneuflex_mesh::family::ElementFamily;
 use pneuflex_mesh::{Facet, Mesh};
 
-use crate::body::Body;
+use crate::body::{Block, Body};
 use crate::subdivision::face_triangles;
 
 /// Cosine of the angle, 40°, between neighbouring faces from which the edge between them is sharp.
@@ -56,14 +57,18 @@ impl Skin {
     /// begins at the nodes `symmetry`.
     pub fn new(mesh: &Mesh, cavity: &[Facet], symmetry: &[u32], body: &Body) -> Self {
         let facets = parts(mesh, cavity, symmetry);
-        let local = face_triangles(body.family);
-        let per_element = body.family.num_nodes();
+        let mut local: Vec<(&ElementFamily, Vec<Vec<[u8; 3]>>)> = Vec::new();
+        for Block { family, .. } in body.blocks() {
+            local.push((family, face_triangles(family)));
+        }
         let mut of_node = vec![Vec::new(); body.nodes.len()];
         let mut skin = Self::default();
         for (part, facets) in facets.iter().enumerate() {
             for facet in facets {
-                let nodes = &body.connectivity[facet.element as usize * per_element..];
-                for triangle in &local[usize::from(facet.face)] {
+                let (family, nodes) = body.element(facet.element as usize);
+                let faces =
+                    local.iter().find(|(known, _)| std::ptr::eq(*known, family)).map_or(&[][..], |(_, faces)| faces);
+                for triangle in &faces[usize::from(facet.face)] {
                     let nodes = triangle.map(|n| nodes[usize::from(n)]);
                     let normal = normal(nodes.map(|n| body.nodes[n as usize]));
                     let vertices = nodes.map(|n| vertex(&mut skin.vertices, &mut of_node[n as usize], n, normal));

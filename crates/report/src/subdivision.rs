@@ -42,13 +42,14 @@ pub fn volume(corners: [[f64; 3]; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneuflex_mesh::ElementKind;
+    use pneuflex_mesh::{ElementKind, FaceKind};
 
-    const KINDS: [(ElementKind, usize, f64); 4] = [
+    const KINDS: [(ElementKind, usize, f64); 5] = [
         (ElementKind::Hex8, 6, 8.0),
         (ElementKind::Hex27, 48, 8.0),
         (ElementKind::Tet10, 8, 1.0 / 6.0),
         (ElementKind::Tet15, 24, 1.0 / 6.0),
+        (ElementKind::Wedge21, 36, 1.0),
     ];
 
     #[test]
@@ -71,13 +72,15 @@ mod tests {
         for (kind, _, expected) in KINDS {
             let nodes = kind.nodes;
             let faces = face_triangles(kind.family());
-            let per_face = match kind {
-                ElementKind::Hex8 => 2,
-                ElementKind::Hex27 => 8,
-                ElementKind::Tet15 => 6,
-                _ => 4,
-            };
-            assert!(faces.iter().all(|face| face.len() == per_face), "{kind:?}");
+            for (face, triangles) in faces.iter().enumerate() {
+                let expected = match kind.face_kind(face) {
+                    FaceKind::Quad4 => 2,
+                    FaceKind::Quad9 => 8,
+                    FaceKind::Tri7 => 6,
+                    _ => 4,
+                };
+                assert_eq!(triangles.len(), expected, "{kind:?}");
+            }
             // Divergence theorem: the cones from the origin to outward triangles add up to the volume.
             let cone = |t: &[u8; 3]| {
                 let [a, b, c] = t.map(|n| nodes[usize::from(n)]);

@@ -32,7 +32,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         .map(|element| {
             let order = match element {
                 Formulation::Hex20 | Formulation::Hex27 => 4.0,
-                Formulation::Tet15 => 3.0,
+                Formulation::Tet15 | Formulation::Wedge21 => 3.0,
                 _ => 2.0,
             };
             let meshes: [[usize; 2]; 3] =

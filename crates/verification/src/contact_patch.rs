@@ -1,7 +1,7 @@
 //! Two blocks with faces that do not match, pressed together.
 
 use pneuflex_mesh::lattice::Lattice;
-use pneuflex_mesh::{ElementKind, Mesh};
+use pneuflex_mesh::{Mesh, ReferenceBody};
 use pneuflex_model::{Contact, ContactMethod, ContactPair, Formulation, Problem};
 use pneuflex_post::stress;
 
@@ -22,7 +22,7 @@ one point of its volumetric part does not integrate a uniform pressure. *Points*
 in the mean only: the pressure on the slave is uniform, but the master's nodal forces are sums over the slave's 4 × 4 points, which \
 do not integrate the master's shape functions exactly where they have kinks (El-Abbasi & Bathe 2001, *Comput. Struct.* 79). For one slave \
 face on two quadratic master faces these sums are off by 13 to 38 % at the nodes, and the stresses next to the faces follow them. Their deviation is \
-reported without a bound. The meshes of `tet15` avoid \
+reported without a bound. The meshes of `tet15` and `wedge21` avoid \
 2² on 3² with points: there the centroids of the slave's triangles, which are contact points, lie exactly on edges between master faces, whose normals \
 differ once they bend, and Newton's method does not settle.";
 
@@ -47,7 +47,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
     for element in crate::ELEMENTS {
         let meshes: [usize; 2] = match element {
-            Formulation::Tet15 => [3, 4],
+            Formulation::Tet15 | Formulation::Wedge21 => [3, 4],
             _ if element.element_kind().is_quadratic() => [2, 4],
             _ => [4, 8],
         };
@@ -136,9 +136,11 @@ fn blocks(formulation: Formulation, Meeting { method, slave, master, skew }: Mee
     // Bilinear on each quarter of the face, or linear on its triangles, so that edges stay straight.
     let skewed = |[x, y, z]: [f64; 3]| {
         let (dx, dy) = (x - 1.0, y - 1.0);
-        let share = match kind {
-            ElementKind::Tet10 | ElementKind::Tet15 => (1.0 - dx.abs().max(dy.abs()).max((dx - dy).abs())).max(0.0),
-            _ => (1.0 - dx.abs()) * (1.0 - dy.abs()),
+        let share = match kind.body {
+            ReferenceBody::Tetrahedron | ReferenceBody::Wedge => {
+                (1.0 - dx.abs().max(dy.abs()).max((dx - dy).abs())).max(0.0)
+            }
+            ReferenceBody::Hexahedron => (1.0 - dx.abs()) * (1.0 - dy.abs()),
         };
         [x + share * skew[0], y + share * skew[1], z]
     };

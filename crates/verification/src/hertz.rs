@@ -166,9 +166,10 @@ fn touching_points(problem: &Problem, displacement: &[[f64; 3]]) -> Vec<Touching
         (problem.mesh.nodes.iter().zip(displacement)).map(|(x, u)| std::array::from_fn(|k| x[k] + u[k])).collect();
     let mut touching = Vec::new();
     for block in model.search(&positions).blocks {
-        let nodes = &block.nodes[..block.nodes.len() / 2];
+        let slave = model.slave(block.partner);
+        let nodes = slave.face(block.slave_face);
         for point in &block.points {
-            let shape = shape::evaluate_face(problem.mesh.kind.face_kind(0), point.slave_xi);
+            let shape = shape::evaluate_face(slave.kind(block.slave_face), point.slave_xi);
             let along =
                 |k: usize| -> f64 { nodes.iter().zip(shape.values).map(|(&n, v)| v * positions[n as usize][k]).sum() };
             touching.push(Touching { distance: along(0).hypot(along(1)), traction: point.traction, area: point.area });

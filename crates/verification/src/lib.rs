@@ -52,8 +52,14 @@ pub use row::Row;
 
 /// Elements of the problems: `tet10`, in whose place imported tetrahedra are solved with `tet15`, is not among them (docs/measurements.md has
 /// what it missed).
-pub(crate) const ELEMENTS: [Formulation; 5] =
-    [Formulation::Hex8Sri, Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet15];
+pub(crate) const ELEMENTS: [Formulation; 6] = [
+    Formulation::Hex8Sri,
+    Formulation::Hex8Q1p0,
+    Formulation::Hex20,
+    Formulation::Hex27,
+    Formulation::Tet15,
+    Formulation::Wedge21,
+];
 
 /// How much is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -30,10 +30,14 @@ pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
     for element in crate::ELEMENTS {
         let coarsest = if element.is_second_order { 1 } else { 2 };
-        // Six tetrahedra are no mesh yet.
-        let meshes = if element == Formulation::Tet15 { [2, 3, 4] } else { [1, 2, 4].map(|r| r * coarsest) };
+        // Six tetrahedra or two wedges are no mesh yet.
+        let meshes = if matches!(element, Formulation::Tet15 | Formulation::Wedge21) {
+            [2, 3, 4]
+        } else {
+            [1, 2, 4].map(|r| r * coarsest)
+        };
         let degree = match element {
-            Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => 2.0,
+            Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 | Formulation::Wedge21 => 2.0,
             _ => 1.0,
         };
         for (name, field, bulk) in [("compressible", swollen as Field, 5.0), ("nearly incompressible", sheared, 1000.0)]
@@ -126,8 +130,8 @@ fn solve<const N: usize>(
     mut u: Vec<[f64; 3]>,
     held: &[bool],
 ) -> Result<[f64; 2], String> {
-    let points = tabulate(mesh.kind, (mesh.kind.fine_rule)());
-    let values: Vec<Vec<f64>> = points.iter().map(|point| shape::tabulate(mesh.kind, point.xi).0).collect();
+    let points = tabulate(element.element, (element.element.fine_rule)());
+    let values: Vec<Vec<f64>> = points.iter().map(|point| shape::tabulate(element.element, point.xi).0).collect();
     let mut load = vec![[0.0; 3]; mesh.num_nodes()];
     for_each_point::<N>(mesh, &points, &values, |nodes, _, volume, position, values| {
         let force = body_force(material, field, position);

@@ -31,16 +31,17 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         // Cells along each side of the cube and through the wall.
         let meshes: [[usize; 2]; 3] = match element {
             // On its coarsest mesh hex27 is accidentally better than its order.
-            Formulation::Tet15 | Formulation::Hex27 => [[2, 2], [3, 3], [4, 4]],
+            Formulation::Tet15 | Formulation::Hex27 | Formulation::Wedge21 => [[2, 2], [3, 3], [4, 4]],
             _ if element.is_second_order => [[1, 1], [2, 2], [4, 4]],
             _ => [[2, 2], [4, 4], [8, 8]],
         };
         let order = match element {
             Formulation::Hex20 | Formulation::Hex27 => 4.0,
+            Formulation::Wedge21 => 3.0,
             _ => 2.0,
         };
         // At a corner of three lattices serendipity elements are not parallelepipeds however fine they are.
-        let least = if order > 2.0 { 3.0 } else { 1.8 };
+        let least = if order > 3.0 { 3.0 } else { order - 0.2 };
         for widening in [1.1, 1.25] {
             let has_order = element != Formulation::Tet15;
             rows.push(Row::sequence(
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_three_lattices_are_joined() {
-        for kind in [ElementKind::Hex27, ElementKind::Tet15] {
+        for kind in [ElementKind::Hex27, ElementKind::Tet15, ElementKind::Wedge21] {
             let (mesh, inner) = eighth(kind, [2, 1]);
             let exact = std::f64::consts::PI / 6.0 * (343.0 - 125.0);
             assert!((mesh.volume() / exact - 1.0).abs() < 2e-3, "{} {exact}", mesh.volume());
@@ -147,7 +148,7 @@ mod tests {
             let per_side = inner.len();
             assert_eq!(
                 mesh.boundary_facets().len(),
-                2 * per_side + 3 * 4 * if kind == ElementKind::Tet15 { 2 } else { 1 }
+                2 * per_side + 3 * 2 * if kind == ElementKind::Tet15 { 4 } else { 2 }
             );
         }
     }

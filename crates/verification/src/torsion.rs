@@ -29,14 +29,14 @@ pub fn rows(effort: Effort) -> Vec<Row> {
             _ => [[4, 2], [8, 4], [12, 6]],
         };
         let order = match element {
-            Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 => 3.0,
+            Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15 | Formulation::Wedge21 => 3.0,
             _ => 2.0,
         };
         let least = match element {
             // Serendipity functions are not complete on curved elements (Arnold, Boffi & Falk 2002, *Math. Comp.* 71).
             Formulation::Hex20 => 2.9,
             Formulation::Hex27 => 3.0,
-            Formulation::Tet15 => 2.8,
+            Formulation::Tet15 | Formulation::Wedge21 => 2.8,
             _ => 1.9,
         };
         let describe = |mesh: &[usize; 2]| (format!("{} × {}", mesh[0], mesh[1]), mesh[0] as f64);
@@ -70,7 +70,7 @@ fn cylinder(formulation: Formulation, material: Material, [across, layers]: [usi
 /// Torque, N·mm, and axial force, N, on the upper end.
 fn torque_and_force(problem: &Problem, twist: f64) -> Result<[f64; 2], String> {
     // Tetrahedra are flat at the four corners of the lattice, where they turn over in larger steps.
-    let is_flat = problem.mesh.kind.body == ReferenceBody::Tetrahedron;
+    let is_flat = problem.mesh.kind_of(0).body == ReferenceBody::Tetrahedron;
     let step = if is_flat { 0.0125 } else { 0.05 };
     let steps = (twist / step).round() as u32;
     let stages = (1..=steps).map(|i| {

@@ -44,7 +44,7 @@ const MOST_INCREMENTS: usize = 200;
 /// An `element` (C3D8, C3D20, C3D20R) that does not have the mesh's nodes, or the full invariant, which CalculiX does not have.
 pub fn deck(problem: &Problem, element: &str, pressures_kpa: &[f64], tip: usize) -> Result<String, String> {
     let mesh = &problem.mesh;
-    match (mesh.kind, element) {
+    match (mesh.kind_of(0), element) {
         (ElementKind::Hex8, "C3D8") | (ElementKind::Hex20, "C3D20" | "C3D20R") => {}
         (kind, _) => return Err(format!("{element} does not have the nodes of {kind:?}")),
     }
@@ -154,7 +154,7 @@ mod tests {
             let deck = deck(&problem, element, &[5.0], 0).unwrap();
             let nodes: Vec<Vec<f64>> = block(&deck, "*NODE,").iter().map(|line| numbers(&line[1..])).collect();
             let elements: Vec<Vec<usize>> = block(&deck, "*ELEMENT").iter().map(|line| numbers(&line[1..])).collect();
-            assert_eq!(elements[0].len(), problem.mesh.kind.num_nodes());
+            assert_eq!(elements[0].len(), problem.mesh.kind_of(0).num_nodes());
             let loads = block(&deck, "*DLOAD");
             assert_eq!(loads.len(), problem.cavity_facets().len());
             let mut volume = 0.0;

@@ -16,10 +16,11 @@ impl Solid {
     /// # Errors
     /// The first such element and point.
     pub(super) fn check_orientation(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
-        if self.reference.shares_points {
+        if self.references.values().all(|reference| reference.shares_points) {
             return Ok(());
         }
-        let check = |element| with_num_nodes!(self.reference.kind, N => self.check_element::<N>(element, displacement));
+        let check =
+            |element| with_num_nodes!(self.mesh.kind_of(element), N => self.check_element::<N>(element, displacement));
         let first = (0..self.inverse_mass.len()).into_par_iter().with_min_len(64).find_map_first(check);
         first.map_or(Ok(()), Err)
     }
@@ -28,7 +29,7 @@ impl Solid {
         let nodes = self.mesh.element(element);
         let [x, u]: [[[f64; 3]; N]; 2] =
             [&self.mesh.nodes[..], displacement].map(|field| std::array::from_fn(|a| field[nodes[a] as usize]));
-        self.reference.volumetric.iter().enumerate().find_map(|(index, point)| {
+        self.reference(element).volumetric.iter().enumerate().find_map(|(index, point)| {
             let (gradients, _) = reference_gradients(&x, point);
             let inverted = Kinematics::new(&displacement_gradient(&u, &gradients)).err()?;
             Some(LocalError { block: element, point: index, jacobian: inverted.0 })

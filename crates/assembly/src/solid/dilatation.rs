@@ -22,25 +22,28 @@ impl Solid {
     /// p(θ) + ∂p/∂θ B δu; κ M⁻¹ θ and κ M⁻¹ (θ + B δu) for the quadratic volumetric energy. The pressure at a point is Σ ψᵢ pᵢ; tension is positive. κ is less κ_f here, see
     /// [`crate::formulation`].
     pub fn element_pressures(&self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) -> Vec<f64> {
-        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
-            self.pressures_of::<N, { N.div_ceil(LANES) }>(displacement, correction)
-        })
-    }
-
-    fn pressures_of<const N: usize, const C: usize>(
-        &self,
-        displacement: &[[f64; 3]],
-        correction: Option<&[[f64; 3]]>,
-    ) -> Vec<f64> {
-        let modes = self.reference.num_modes;
-        let mut pressures = vec![0.0; modes * self.inverse_mass.len()];
-        pressures.par_chunks_mut(modes).with_min_len(64).enumerate().for_each(|(element, out)| match self.processor {
-            Arch::Scalar => self.pressures_of_element::<N, C, false>(element, displacement, correction, out),
-            processor => {
-                processor.dispatch(PressuresOfElement::<N, C> { solid: self, element, displacement, correction, out })
-            }
+        let mut pressures = vec![0.0; self.num_modes * self.inverse_mass.len()];
+        pressures.par_chunks_mut(self.num_modes).with_min_len(64).enumerate().for_each(|(element, out)| {
+            pneuflex_mesh::with_num_nodes!(self.mesh.kind_of(element), N => {
+                self.dispatch_pressures::<N, { N.div_ceil(LANES) }>(element, displacement, correction, out);
+            });
         });
         pressures
+    }
+
+    fn dispatch_pressures<const N: usize, const C: usize>(
+        &self,
+        element: usize,
+        displacement: &[[f64; 3]],
+        correction: Option<&[[f64; 3]]>,
+        out: &mut [f64],
+    ) {
+        match self.processor {
+            Arch::Scalar => self.pressures_of_element::<N, C, false>(element, displacement, correction, out),
+            processor => {
+                processor.dispatch(PressuresOfElement::<N, C> { solid: self, element, displacement, correction, out });
+            }
+        }
     }
 
     #[inline(always)]
@@ -53,11 +56,11 @@ impl Solid {
     ) {
         let [x, u] = [&self.mesh.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, correction.is_some());
-        let (material, modes) = (self.material(element), self.reference.num_modes);
+        let (material, modes) = (self.material(element), self.num_modes);
         let mut theta = dilatation.theta;
         if let Some(correction) = correction {
             let delta = self.gather::<N, C>(element, correction);
-            for (theta, gradient) in theta.iter_mut().zip(&dilatation.gradient).take(self.reference.num_modes) {
+            for (theta, gradient) in theta.iter_mut().zip(&dilatation.gradient).take(modes) {
                 *theta += inner(gradient, &delta);
             }
         }
@@ -82,10 +85,10 @@ impl Solid {
         x: &NodeVectors<C>,
         theta: &[f64; 4],
     ) -> Result<VolumetricResponse, LocalError> {
-        let (inverse, modes) = (&self.inverse_mass[element], self.reference.num_modes);
+        let (inverse, modes) = (&self.inverse_mass[element], self.num_modes);
         let points = || {
             let volume = |point| self.geometry_at::<C, FMA>(element, x, point).1;
-            self.reference.volumetric.iter().map(move |point| (point.modes, volume(point)))
+            self.reference(element).volumetric.iter().map(move |point| (point.modes, volume(point)))
         };
         self.material(element)
             .respond_to_dilatation(theta, inverse, modes, points)
@@ -106,9 +109,9 @@ impl Solid {
         u: &NodeVectors<C>,
         with_gradient: bool,
     ) -> Dilatation<C> {
-        let modes = self.reference.num_modes;
+        let modes = self.num_modes;
         let mut out = Dilatation { theta: [0.0; 4], gradient: [zero(); 4] };
-        for point in &self.reference.volumetric {
+        for point in &self.reference(element).volumetric {
             let (g, volume) = self.geometry_at::<C, FMA>(element, x, point);
             let h = gradient_of::<C, FMA>(u, &g);
             let (jacobian_minus_1, cof) = volume_change(&h);
@@ -134,7 +137,7 @@ impl Solid {
         point: &IntegrationPoint,
     ) -> (NodeVectors<C>, f64) {
         let (g, det) = geometry::<C, FMA>(&point.lanes, x);
-        (g, if self.reference.is_centre_only { self.point_volume(element, point) } else { point.weight * det })
+        (g, if self.reference(element).is_centre_only { self.point_volume(element, point) } else { point.weight * det })
     }
 }
 

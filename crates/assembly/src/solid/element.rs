@@ -22,7 +22,7 @@ impl Solid {
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
         let [x, u] = [&self.mesh.nodes[..], displacement].map(|field| self.gather::<N, C>(element, field));
-        let modes = self.reference.num_modes;
+        let (modes, reference) = (self.num_modes, self.reference(element));
 
         let dilatation = self.dilatation::<C, FMA>(element, &x, &u, request >= Request::Residual);
         let VolumetricResponse { energy, pressure, modulus } =
@@ -39,13 +39,13 @@ impl Solid {
         let mut tangent: Option<PairBlocks<N, C>> =
             (request == Request::Tangent).then_some([[[[0.0; LANES]; 9]; C]; N]);
 
-        for (index, point) in self.reference.deviatoric.iter().enumerate() {
+        for (index, point) in reference.deviatoric.iter().enumerate() {
             let (g, det) = geometry::<C, FMA>(&point.lanes, &x);
             let volume = point.weight * det;
             let h = gradient_of::<C, FMA>(&u, &g);
             let kinematics =
                 Kinematics::new(&h).map_err(|e| LocalError { block: element, point: index, jacobian: e.0 })?;
-            let shared = if self.reference.shares_points { volume * carried_at(point) } else { 0.0 };
+            let shared = if reference.shares_points { volume * carried_at(point) } else { 0.0 };
             let overflow = LocalError { block: element, point: index, jacobian: kinematics.jacobian };
             let Some(mut d) = material.law.by_invariants(&kinematics) else {
                 let state = GeneralPoint { kinematics: &kinematics, g: &g, volume, shared };
@@ -93,8 +93,8 @@ impl Solid {
                 add_outer::<N, C, FMA>(tangent, &dilatation.gradient[i], &weighted);
             }
             // The second derivative of θ under the carried pressure, where it was not added above.
-            if !self.reference.shares_points {
-                for point in &self.reference.volumetric {
+            if !reference.shares_points {
+                for point in &reference.volumetric {
                     let (g, volume) = self.geometry_at::<C, FMA>(element, &x, point);
                     let mut f = gradient_of::<C, FMA>(&u, &g);
                     for i in 0..3 {
@@ -109,7 +109,7 @@ impl Solid {
     }
 
     fn carried_pressure(&self, element: usize, pressure: &[f64; 4]) -> [f64; 4] {
-        let modes = self.reference.num_modes;
+        let modes = self.num_modes;
         if self.carried.is_empty() {
             return *pressure;
         }

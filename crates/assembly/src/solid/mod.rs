@@ -29,8 +29,8 @@ mod element;
 use std::sync::Arc;
 
 use nalgebra::Matrix4;
-use pneuflex_mesh::Mesh;
 use pneuflex_mesh::mesh::determinant;
+use pneuflex_mesh::{Mesh, PerKind};
 use pneuflex_model::{Formulation, Material};
 use pulp::Arch;
 
@@ -43,8 +43,10 @@ use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 /// All elements of a body.
 #[derive(Clone, Debug)]
 pub struct Solid {
-    reference: ReferenceElement,
-    materials: Vec<ElementMaterial>,
+    references: PerKind<ReferenceElement>,
+    materials: PerKind<Vec<ElementMaterial>>,
+    /// Pressure modes of every element.
+    num_modes: usize,
     /// Number of every element's material.
     material_of: Vec<u16>,
     mesh: Arc<Mesh>,
@@ -80,7 +82,8 @@ impl Solid {
         Self::of_materials(mesh, formulation, &[material], material_of)
     }
 
-    /// The body of a mesh; `material_of` is the number of every element's material in `materials`.
+    /// The body of a mesh; `material_of` is the number of every element's material in `materials`. Elements of other families than the
+    /// formulation's have that of [`Formulation::beside`].
     ///
     /// # Errors
     /// [`DegenerateElement`] if the undeformed mesh has an element with a non-positive Jacobian.
@@ -90,11 +93,15 @@ impl Solid {
         materials: &[&Material],
         material_of: Vec<u16>,
     ) -> Result<Self, DegenerateElement> {
+        let mesh = mesh.into();
+        let in_family =
+            |formulation| materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect();
         let mut solid = Self {
-            reference: ReferenceElement::new(formulation),
-            materials: materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect(),
+            references: mesh.per_kind(|kind| ReferenceElement::new(formulation.beside(kind))),
+            materials: mesh.per_kind(|kind| in_family(formulation.beside(kind))),
+            num_modes: formulation.num_modes,
             material_of,
-            mesh: mesh.into(),
+            mesh,
             inverse_mass: Vec::new(),
             carried: Vec::new(),
             prediction: None,
@@ -102,7 +109,7 @@ impl Solid {
         };
         for element in 0..solid.mesh.num_elements() {
             let mut mass = Matrix4::<f64>::zeros();
-            for point in &solid.reference.volumetric {
+            for point in &solid.reference(element).volumetric {
                 let volume = solid.point_volume(element, point);
                 if volume <= 0.0 || !volume.is_finite() {
                     return Err(DegenerateElement { element });
@@ -114,7 +121,7 @@ impl Solid {
                 }
             }
             // Modes that the formulation does not have are decoupled.
-            for i in solid.reference.num_modes..4 {
+            for i in solid.num_modes..4 {
                 mass.row_mut(i).fill(0.0);
                 mass.column_mut(i).fill(0.0);
                 mass[(i, i)] = 1.0;
@@ -127,21 +134,24 @@ impl Solid {
 
     /// Number of pressure modes per element.
     pub fn num_modes(&self) -> usize {
-        self.reference.num_modes
+        self.num_modes
     }
 
     fn material(&self, element: usize) -> &ElementMaterial {
-        &self.materials[usize::from(self.material_of[element])]
+        &self.materials[self.mesh.kind_of(element)][usize::from(self.material_of[element])]
+    }
+
+    /// The tables of an element.
+    #[inline]
+    fn reference(&self, element: usize) -> &ReferenceElement {
+        &self.references[self.mesh.kind_of(element)]
     }
 
     /// Reference volume that an integration point stands for, mm³.
     fn point_volume(&self, element: usize, point: &IntegrationPoint) -> f64 {
         let volume_at = |p: &IntegrationPoint| p.weight * determinant(&self.mesh.jacobian(element, &p.gradients));
-        if self.reference.is_centre_only {
-            self.reference.deviatoric.iter().map(volume_at).sum()
-        } else {
-            volume_at(point)
-        }
+        let reference = self.reference(element);
+        if reference.is_centre_only { reference.deviatoric.iter().map(volume_at).sum() } else { volume_at(point) }
     }
 }
 
@@ -161,7 +171,7 @@ impl Contribution for Solid {
     }
 
     fn element_tensions(&self, displacement: &[[f64; 3]]) -> Vec<f64> {
-        self.element_pressures(displacement, None).into_iter().step_by(self.reference.num_modes).collect()
+        self.element_pressures(displacement, None).into_iter().step_by(self.num_modes).collect()
     }
 
     fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
@@ -198,7 +208,7 @@ impl LocalContribution for Solid {
         request: Request,
         out: &mut LocalBlock,
     ) -> Result<(), LocalError> {
-        pneuflex_mesh::with_num_nodes!(self.reference.kind, N => {
+        pneuflex_mesh::with_num_nodes!(self.mesh.kind_of(block), N => {
             self.dispatch::<N, { N.div_ceil(LANES) }>(block, displacement, request, out)
         })
     }

@@ -6,6 +6,7 @@ use pneuflex_factor::multiply;
 use pneuflex_laws::{law_of, samples};
 use pneuflex_material::Kinematics;
 use pneuflex_mesh::lattice::Lattice;
+use pneuflex_mesh::testing::{angle, mixed};
 use pneuflex_mesh::{ElementKind, Mesh, ReferenceBody};
 use pneuflex_model::{Formulation, Invariant, Law, Material};
 
@@ -54,10 +55,10 @@ fn check(name: &str, values: &[f64], least: f64) {
     assert!(values[6] > least, "{name}: {:?}", &values[..8]);
 }
 
-/// One element of edge 1 mm; hexahedra as they are and slanted, the tetrahedron as one of a cube's six.
+/// One element of edge 1 mm; hexahedra as they are and slanted, the tetrahedron as one of a cube's six, the wedge as one of its two.
 fn single(kind: ElementKind, is_slanted: bool) -> Mesh {
     let mut mesh = Lattice::uniform([0.0; 3], [1.0; 3], [1; 3]).mesh_all(kind);
-    if kind.body == ReferenceBody::Tetrahedron {
+    if kind.body != ReferenceBody::Hexahedron {
         mesh.connectivity.truncate(kind.num_nodes());
         let mut used = mesh.connectivity.clone();
         used.sort_unstable();
@@ -93,6 +94,14 @@ fn a_free_strip_has_six_zero_eigenvalues() {
         // Eigenvectors of length 1 move a node the less the more there are.
         check(&format!("4 × 1 × 1 {formulation}"), &values, 0.2 / mesh.num_nodes() as f64);
     }
+}
+
+#[test]
+fn a_free_body_of_several_families_has_six_zero_eigenvalues() {
+    let mesh = angle(1);
+    assert_eq!(mesh.families().len(), 3);
+    let values = eigenvalues(stiffness(&mesh, Formulation::Hex27, 1000.0));
+    check("hex27, wedge21 and tet15", &values, 0.2 / mesh.num_nodes() as f64);
 }
 
 /// Stretches of a bar that is pulled to the stretch λ with nothing on its sides; `None`: with nothing on its ends either.
@@ -153,7 +162,9 @@ fn no_motion_releases_energy_at_rest_whatever_the_law() {
 /// The same for a bar whose ends are pulled to one and a half and to twice its length and held there.
 #[test]
 fn no_motion_releases_energy_in_a_pulled_bar() {
-    for formulation in [Formulation::Hex20, Formulation::Hex27, Formulation::Tet10, Formulation::Tet15] {
+    for formulation in
+        [Formulation::Hex20, Formulation::Hex27, Formulation::Tet10, Formulation::Tet15, Formulation::Wedge21]
+    {
         let mesh = Lattice::uniform([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).mesh_all(formulation.element_kind());
         let free: Vec<usize> = mesh
             .select_nodes(|x| x[0] > 1e-9 && x[0] < 2.0 - 1e-9)
@@ -181,11 +192,19 @@ fn no_motion_releases_energy_in_a_pulled_bar() {
 /// volumetric one, κ Bᵀ M⁻¹ B, divided by μ. As many as there are pressures, less the constant one.
 fn inf_sup_constants(formulation: Formulation, cells: usize, pressures_per_element: usize) -> Vec<f64> {
     let mesh = Lattice::uniform([0.0; 3], [1.0; 3], [cells; 3]).mesh_all(formulation.element_kind());
-    let is_inner = |x: [f64; 3]| x.iter().all(|t| *t > 1e-9 && *t < 1.0 - 1e-9);
-    let inner: Vec<usize> =
-        mesh.select_nodes(is_inner).iter().flat_map(|&n| (0..3).map(move |k| 3 * n as usize + k)).collect();
+    inf_sup_constants_of(&mesh, formulation, pressures_per_element)
+}
+
+/// The same of any body whose boundary is held.
+fn inf_sup_constants_of(mesh: &Mesh, formulation: Formulation, pressures_per_element: usize) -> Vec<f64> {
+    let mut is_inner = vec![true; mesh.num_nodes()];
+    for facet in mesh.boundary_facets() {
+        mesh.facet_nodes(facet).into_iter().for_each(|node| is_inner[node as usize] = false);
+    }
+    let inner = (0..mesh.num_nodes()).filter(|&node| is_inner[node]);
+    let inner: Vec<usize> = inner.flat_map(|node| (0..3).map(move |k| 3 * node + k)).collect();
     let free = |matrix: DMatrix<f64>| matrix.select_rows(&inner).select_columns(&inner);
-    let [soft, stiff] = [2.0, 3.0].map(|kappa| free(stiffness(&mesh, formulation, kappa)));
+    let [soft, stiff] = [2.0, 3.0].map(|kappa| free(stiffness(mesh, formulation, kappa)));
     let volumetric = &stiff - &soft;
     let mu = Material::default().shear_modulus();
     let factor = ((soft - 2.0 * &volumetric) / mu).cholesky().unwrap().l();
@@ -210,6 +229,31 @@ fn tetrahedra_with_bubbles_are_inf_sup_stable() {
     let constants = [1, 2, 3].map(|cells| inf_sup_constants(Formulation::Tet15, cells, 4)[0]);
     println!("tet15: {constants:.4?}");
     assert!(constants[2] > 0.1 && constants[2] > 0.9 * constants[1], "{constants:.4?}");
+}
+
+/// And wedges with nodes in their faces and inside, alone and beside triquadratic hexahedra.
+#[test]
+fn wedges_are_inf_sup_stable() {
+    let constants = [2, 3, 4].map(|cells| inf_sup_constants(Formulation::Wedge21, cells, 4)[0]);
+    println!("wedge21: {constants:.4?}");
+    assert!(constants[2] > 0.2 && constants[2] > 0.9 * constants[1], "{constants:.4?}");
+    let beside = [2, 3, 4].map(|cells| {
+        let lattice = Lattice::uniform([0.0; 3], [1.0; 3], [cells; 3]);
+        let of_family = |kind| lattice.mesh_all(kind);
+        let first = 1.0 / cells as f64;
+        let mesh = mixed(&of_family(ElementKind::Hex27), &of_family(ElementKind::Wedge21), |x| x[0] < first);
+        inf_sup_constants_of(&mesh, Formulation::Hex27, 4)[0]
+    });
+    println!("hex27 and wedge21: {beside:.4?}");
+    assert!(beside[2] > 0.2 && beside[2] > 0.9 * beside[1], "{beside:.4?}");
+}
+
+/// An angle of all three, in which every element has an edge on the boundary on the coarser mesh.
+#[test]
+fn hexahedra_wedges_and_tetrahedra_are_inf_sup_stable_together() {
+    let constants = inf_sup_constants_of(&angle(1), Formulation::Hex27, 4)[0];
+    println!("hex27, wedge21 and tet15: {constants:.4}");
+    assert!(constants > 0.1, "{constants:.4}");
 }
 
 /// The serendipity hexahedron lacks the nodes at the centres of faces: on a cube with all of its boundary held, a share of

@@ -93,20 +93,21 @@ fn near_nodes_cover_every_average() {
 /// Brute force: the closest foot over all faces, without boxes or order.
 #[test]
 fn the_search_finds_the_same_points_as_brute_force() {
-    use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, face_geometry, project};
-    for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10] {
+    use pneuflex_contact::projection::{EDGE_TOLERANCE, EXTENSION, project};
+    for kind in [ElementKind::Hex8, ElementKind::Hex27, ElementKind::Tet10, ElementKind::Wedge21] {
         let (mesh, pairs, positions) = touching(kind);
         let model = ContactModel::new(mesh.clone(), &pairs, &Contact::default());
         let (slave, master) = (&model.surface_pair(0).slave, &model.surface_pair(0).master);
-        let n = slave.kind.num_nodes();
         let mut expected = Vec::new();
         for face in 0..slave.num_faces() {
-            for (xi, _) in slave.kind.contact_rule() {
-                let nodes = slave.face_positions(face, &positions);
-                let shape = pneuflex_mesh::shape::evaluate_face(slave.kind, xi);
-                let point = face_geometry(&nodes[..n], &shape).position;
+            for (xi, _) in slave.kind(face).contact_rule() {
+                let point = slave.geometry(face, xi, &positions).position;
+                let foot = |m: usize| {
+                    let kind = master.kind(m);
+                    project(kind, &master.face_positions(m, &positions)[..kind.num_nodes()], point)
+                };
                 let best = (0..master.num_faces())
-                    .filter_map(|m| Some((m, project(master.kind, &master.face_positions(m, &positions)[..n], point)?)))
+                    .filter_map(|m| Some((m, foot(m)?)))
                     .filter(|(_, foot)| foot.excess <= EXTENSION)
                     .min_by(|(_, a), (_, b)| {
                         let outside = |e: f64| e > EDGE_TOLERANCE;

@@ -101,7 +101,7 @@ fn every_point_in_an_obstacle_is_found() {
         let mut expected = Vec::new();
         for face in 0..surface.num_faces() {
             for &(xi, _) in &rule {
-                let values = pneuflex_mesh::shape::evaluate_face(surface.kind, xi).values;
+                let values = pneuflex_mesh::shape::evaluate_face(surface.kind(face), xi).values;
                 let at =
                     |d: usize| surface.face(face).iter().zip(values).map(|(&n, v)| v * positions[n as usize][d]).sum();
                 let distance = model.distance_to_obstacle(0, [at(0), at(1), at(2)]).value;

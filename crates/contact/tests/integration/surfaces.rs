@@ -129,7 +129,7 @@ fn the_legs_of_a_folded_strip_touch() {
             let is_first_leg = nodes.iter().all(|&n| mesh.nodes[n as usize][0] < leg + 0.5 * arc);
             let is_inner_side = nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.5).abs() < 1e-9);
             for point in &block.points {
-                let values = pneuflex_mesh::shape::evaluate_face(surface.kind, point.slave_xi).values;
+                let values = pneuflex_mesh::shape::evaluate_face(surface.kind(block.slave_face), point.slave_xi).values;
                 let at =
                     |d: usize| -> f64 { nodes.iter().zip(values).map(|(&n, v)| v * positions[n as usize][d]).sum() };
                 let height = -sin * at(0) + cos * if is_first_leg { at(2) } else { -at(2) };

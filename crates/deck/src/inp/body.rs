@@ -9,7 +9,7 @@ use super::context::Context;
 use super::element_types::Family;
 use super::outline::{Item, Outline, Scope};
 use crate::jacobian::inverted_elements;
-use crate::linear_tets::add_mid_edge_nodes;
+use crate::mid_edges::{UNMATCHED, completed_mesh, note_on_families, unmatched_elements};
 use crate::report::{Place, quoted};
 use crate::syntax::integer;
 
@@ -20,7 +20,8 @@ pub(super) type Number = (u32, i32);
 #[derive(Debug)]
 pub(super) struct Body {
     pub scopes: Vec<Scope>,
-    pub family: Family,
+    /// Type of every element.
+    pub families: Vec<Family>,
     /// Without sets.
     pub mesh: Mesh,
     /// Our numbers of the nodes that belong to an element.
@@ -53,6 +54,7 @@ struct WrittenNode {
 }
 
 struct WrittenElement {
+    family: Family,
     number: Number,
     place: Place,
     nodes: Vec<i32>,
@@ -62,8 +64,8 @@ impl Body {
     /// Reads all nodes and elements; `None` if there is no mesh to go on with.
     pub fn read(outline: &mut Outline<'_>, context: &mut Context<'_>) -> Option<Self> {
         let written = read_nodes(outline, context);
-        let (family, elements) = read_elements(outline, context);
-        let Some(family) = family else {
+        let elements = read_elements(outline, context);
+        let Some(first) = elements.first() else {
             if !context.report.has_errors() {
                 context.error(Place { file: 0, line: 1 }, "the deck has no *ELEMENT");
             }
@@ -90,19 +92,12 @@ impl Body {
         let positions = nodes
             .keys()
             .filter_map(|number| Some(scopes[number.0 as usize].placement.place(written.get(number)?.position)));
-        let mut mesh = Mesh {
-            kind: family.kind(),
-            nodes: positions.collect(),
-            connectivity: elements
-                .iter()
-                .flat_map(|e| e.nodes.iter().map(|&node| nodes[&(e.number.0, node)]))
-                .collect(),
-            node_sets: BTreeMap::new(),
-            facet_sets: BTreeMap::new(),
-            element_sets: BTreeMap::new(),
-        };
-        if family.is_linear {
-            add_mid_edge_nodes(&mut mesh);
+        let numbered =
+            |e: &WrittenElement| e.nodes.iter().map(|&node| nodes[&(e.number.0, node)]).collect::<Vec<u32>>();
+        let of_mesh: Vec<_> = elements.iter().map(|element| (element.family.kind, numbered(element))).collect();
+        let mesh = completed_mesh(positions.collect(), &of_mesh);
+        if let Some(note) = note_on_families(&mesh) {
+            context.note(first.place, note);
         }
         let lone_nodes: BTreeSet<Number> =
             written.keys().filter(|number| !nodes.contains_key(number)).copied().collect();
@@ -111,7 +106,7 @@ impl Body {
         }
         let body = Self {
             scopes,
-            family,
+            families: elements.iter().map(|element| element.family).collect(),
             node_numbers: nodes.keys().copied().collect(),
             mesh,
             nodes,
@@ -122,6 +117,7 @@ impl Body {
             free: OnceCell::new(),
         };
         body.check_jacobians(context);
+        body.check_faces(context);
         Some(body)
     }
 
@@ -187,6 +183,38 @@ impl Body {
         }
     }
 
+    /// Number of the first mid-edge node that was added, if there is one.
+    pub fn first_added(&self) -> Option<u32> {
+        let written = self.node_numbers.len();
+        (written < self.mesh.num_nodes()).then_some(written as u32)
+    }
+
+    /// Nodes of an element that the deck has.
+    pub fn written_nodes(&self, element: u32) -> &[u32] {
+        &self.mesh.element(element as usize)[..self.families[element as usize].num_nodes()]
+    }
+
+    /// Faces by their label, a letter and a digit, of some elements; an error says which labels there are.
+    pub fn labelled_faces(&self, elements: &[u32], letter: char, label: &str) -> Result<Vec<Facet>, String> {
+        let of_element = |&element: &u32| {
+            let family = self.families[element as usize];
+            let face =
+                family.labelled_face(letter, label).ok_or_else(|| format!("{letter}{}", family.kind.num_faces()))?;
+            Ok(Facet { element, face })
+        };
+        elements.iter().map(of_element).collect()
+    }
+
+    fn check_faces(&self, context: &mut Context<'_>) {
+        if let Some(([one, other], [x, y, z])) = unmatched_elements(&self.mesh) {
+            let [name, of_triangle] = [one, other].map(|element| self.element_name(element as u32));
+            let text = format!(
+                "elements {name} and {of_triangle} meet near ({x:.6}, {y:.6}, {z:.6}) with a quadrilateral on a triangle: {UNMATCHED}"
+            );
+            context.error(self.element_places[one], text);
+        }
+    }
+
     fn check_jacobians(&self, context: &mut Context<'_>) {
         for (element, smallest) in inverted_elements(&self.mesh) {
             let name = self.element_name(element as u32);
@@ -225,8 +253,7 @@ fn read_nodes(outline: &Outline<'_>, context: &mut Context<'_>) -> BTreeMap<Numb
     found
 }
 
-fn read_elements(outline: &Outline<'_>, context: &mut Context<'_>) -> (Option<Family>, Vec<WrittenElement>) {
-    let mut first: Option<(Family, Place, String)> = None;
+fn read_elements(outline: &Outline<'_>, context: &mut Context<'_>) -> Vec<WrittenElement> {
     let mut found: Vec<WrittenElement> = Vec::new();
     let mut places: BTreeMap<Number, Place> = BTreeMap::new();
     for Item { block, scope, .. } in outline.of("ELEMENT") {
@@ -239,17 +266,6 @@ fn read_elements(outline: &Outline<'_>, context: &mut Context<'_>) -> (Option<Fa
                 continue;
             }
         };
-        let (one, place, of_one) = first.get_or_insert_with(|| (family, block.place, name.clone()));
-        if *one != family {
-            let (file, line) = (context.sources.names[place.file as usize].clone(), place.line);
-            let text = format!(
-                "a deck must keep to one family of elements: {name} are {}, but {of_one} in {file}:{line} are {}",
-                family.words(),
-                one.words()
-            );
-            context.error(block.place, text);
-            continue;
-        }
         context.note(block.place, family.note(&name));
         for element in elements_of_block(block, scope, family, context) {
             if element.number.1 < 1 {
@@ -263,7 +279,7 @@ fn read_elements(outline: &Outline<'_>, context: &mut Context<'_>) -> (Option<Fa
             }
         }
     }
-    (first.map(|(family, ..)| family), found)
+    found
 }
 
 /// Elements go on in the next line until they have all their nodes.
@@ -290,7 +306,12 @@ fn elements_of_block(
         match (found.last_mut().filter(|_| open), numbers.split_first()) {
             (Some(element), _) => element.nodes.extend(&numbers),
             (None, Some((&number, nodes))) => {
-                found.push(WrittenElement { number: (scope, number), place: line.place, nodes: nodes.to_vec() });
+                found.push(WrittenElement {
+                    family,
+                    number: (scope, number),
+                    place: line.place,
+                    nodes: nodes.to_vec(),
+                });
             }
             (None, None) => continue,
         }

@@ -10,7 +10,7 @@ use super::histories::{Histories, History, groups};
 use super::outline::{Item, Outline};
 use super::schedule::{Event, Times};
 use super::sets::{AllSets, nodes_of};
-use crate::linear_tets::MidEdges;
+use crate::mid_edges::MidEdges;
 use crate::report::{Place, quoted};
 use crate::syntax::DataLine;
 
@@ -244,7 +244,7 @@ pub(super) fn read_equations(
             found.extend(equations);
         }
     }
-    if let (Some(item), true) = (outline.of("EQUATION").next(), body.family.is_linear) {
+    if let (Some(item), true) = (outline.of("EQUATION").next(), body.first_added().is_some()) {
         context.note(
             item.block.place,
             "*EQUATION binds the nodes that it names; mid-edge nodes that were added stay free",

@@ -1,13 +1,12 @@
 //! Element types of Abaqus and CalculiX, and what they are solved with.
 
 use pneuflex_mesh::ElementKind;
-use pneuflex_model::Formulation;
 
 /// Elements that differ in their integration only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Family {
-    /// The formulation of such elements. The order of the nodes is the same everywhere.
-    pub formulation: Formulation,
+    /// Element family. The order of the nodes is the same everywhere.
+    pub kind: ElementKind,
     /// Whether a deck has the corners alone, which get the other nodes.
     pub is_linear: bool,
 }
@@ -15,34 +14,31 @@ pub(super) struct Family {
 impl Family {
     /// The family of a type by its name in capitals, or why there is none.
     pub fn of(name: &str) -> Result<Self, String> {
-        let solved = || ElementKind::ALL.into_iter().filter_map(Formulation::of_kind);
-        for formulation in solved() {
-            let types = &formulation.element.family().abaqus;
+        for kind in ElementKind::ALL {
+            let types = &kind.family().abaqus;
             for (names, is_linear) in [(types.names, false), (types.linear_names, true)] {
                 if names.contains(&name) {
-                    return Ok(Self { formulation, is_linear });
+                    return Ok(Self { kind, is_linear });
                 }
             }
         }
-        let types = solved().map(|formulation| &formulation.element.family().abaqus);
+        if name.starts_with("C3D5") || name.starts_with("C3D13") {
+            return Err("pyramids are not solved; divide them into tetrahedra, or mesh that part with wedges".into());
+        }
+        let types = ElementKind::ALL.iter().map(|kind| &kind.family().abaqus);
         let first: Vec<&str> =
             types.flat_map(|types| [types.names.first(), types.linear_names.first()]).flatten().copied().collect();
         Err(format!("only the solids {} and their variants are solved", first.join(", ")))
     }
 
-    /// Its element family.
-    pub const fn kind(self) -> ElementKind {
-        self.formulation.table().element
-    }
-
     /// Nodes of an element in a deck.
     pub fn num_nodes(self) -> usize {
-        if self.is_linear { self.kind().num_corners() } else { self.kind().num_nodes() }
+        if self.is_linear { self.kind.num_corners() } else { self.kind.num_nodes() }
     }
 
     /// In words.
     pub fn words(self) -> String {
-        self.kind().body.words(self.num_nodes())
+        self.kind.body.words(self.num_nodes())
     }
 
     /// What a user of the type should know.
@@ -50,7 +46,7 @@ impl Family {
         let words = self.words();
         if self.is_linear {
             return format!(
-                "{name} are {words}: straight mid-edge nodes are added, because linear tetrahedra lock; results are those of \
+                "{name} are {words}: straight mid-edge nodes are added, because linear tetrahedra and wedges lock; results are those of \
                  a finer mesh, and node sets and supports take in the mid-edge nodes between their nodes on the surface"
             );
         }
@@ -59,7 +55,7 @@ impl Family {
 
     /// Our number of Abaqus's face `number`, from 1.
     pub fn face(self, number: usize) -> Option<u8> {
-        self.kind().abaqus.faces.get(number.checked_sub(1)?).copied()
+        self.kind.abaqus.faces.get(number.checked_sub(1)?).copied()
     }
 
     /// Our number of a face by its label, a letter and a digit: `S1`, `P6`.
@@ -77,6 +73,7 @@ mod tests {
 
     /// Faces in Abaqus's nodes, from its manual.
     const HEX: [[usize; 4]; 6] = [[1, 2, 3, 4], [5, 8, 7, 6], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 8, 4], [4, 8, 5, 1]];
+    const WEDGE: [&[usize]; 5] = [&[1, 2, 3], &[4, 6, 5], &[1, 4, 5, 2], &[2, 5, 6, 3], &[3, 6, 4, 1]];
     const TET: [[usize; 3]; 4] = [[1, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 1]];
 
     fn family(name: &str) -> Family {
@@ -91,13 +88,14 @@ mod tests {
 
     #[test]
     fn faces_have_the_nodes_of_the_manual_and_outward_normals() {
-        for family in ["C3D8", "C3D20", "C3D10", "C3D4"].map(family) {
-            let kind = family.kind();
-            let corners = kind.face_kind(0).num_corners();
+        for family in ["C3D8", "C3D20", "C3D10", "C3D4", "C3D15", "C3D6"].map(family) {
+            let kind = family.kind;
             let nodes = kind.nodes;
             for number in 1..=kind.num_faces() {
                 let face = kind.face_nodes(usize::from(family.face(number).unwrap()));
+                let corners = kind.face_kind(usize::from(family.face(number).unwrap())).num_corners();
                 let expected = match kind {
+                    ElementKind::Wedge15 => sorted(WEDGE[number - 1].iter().map(|n| n - 1)),
                     ElementKind::Tet10 => sorted(TET[number - 1].map(|n| n - 1)),
                     _ => sorted(HEX[number - 1].map(|n| n - 1)),
                 };
@@ -121,12 +119,14 @@ mod tests {
 
     #[test]
     fn mid_edge_nodes_lie_on_the_edges_of_the_manual() {
-        // Abaqus: C3D20 nodes 9–20 and C3D10 nodes 5–10 lie between these corners.
+        // Abaqus: C3D20 nodes 9–20, C3D10 nodes 5–10 and C3D15 nodes 7–15 lie between these corners.
         let hex = [[1, 2], [2, 3], [3, 4], [4, 1], [5, 6], [6, 7], [7, 8], [8, 5], [1, 5], [2, 6], [3, 7], [4, 8]];
         let tet = [[1, 2], [2, 3], [3, 1], [1, 4], [2, 4], [3, 4]];
-        for (family, edges) in [(family("C3D20"), &hex[..]), (family("C3D10"), &tet[..])] {
-            let nodes = family.kind().nodes;
-            let first = family.kind().num_corners();
+        let wedge = [[1, 2], [2, 3], [3, 1], [4, 5], [5, 6], [6, 4], [1, 4], [2, 5], [3, 6]];
+        for (family, edges) in [(family("C3D20"), &hex[..]), (family("C3D10"), &tet[..]), (family("C3D15"), &wedge[..])]
+        {
+            let nodes = family.kind.nodes;
+            let first = family.kind.num_corners();
             assert_eq!(first + edges.len(), family.num_nodes());
             for (i, &[a, b]) in edges.iter().enumerate() {
                 let middle: [f64; 3] = std::array::from_fn(|d| 0.5 * (nodes[a - 1][d] + nodes[b - 1][d]));
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn other_elements_are_refused() {
-        for name in ["C3D6", "C3D15", "S4R", "B31", "CPS4", "", "C3D8P", "C3D20RT"] {
+        for name in ["C3D5", "C3D13H", "C3D15V", "S4R", "B31", "CPS4", "", "C3D8P", "C3D20RT"] {
             assert!(Family::of(name).is_err(), "{name}");
         }
     }

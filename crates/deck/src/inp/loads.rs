@@ -159,14 +159,14 @@ impl Loads {
         if is_gravity {
             return self.read_gravity(place, target, elements, rest, context);
         }
-        let Some(face) = body.family.labelled_face('P', label) else {
-            let most = body.mesh.kind.num_faces();
-            context.error(place, format!("*DLOAD: {} is not supported, only P1 to P{most} and GRAV", quoted(label)));
-            return Vec::new();
+        let facets = match body.labelled_faces(&elements.unwrap_or_default(), 'P', label) {
+            Ok(facets) => facets,
+            Err(last) => {
+                context.error(place, format!("*DLOAD: {} is not supported, only P1 to {last} and GRAV", quoted(label)));
+                return Vec::new();
+            }
         };
         let Some(value) = magnitude(place, rest, context) else { return Vec::new() };
-        let facets = elements.unwrap_or_default().into_iter().map(|element| Facet { element, face });
-        let facets: Vec<Facet> = facets.collect();
         body.note_inner_faces(&facets, place, context);
         facets.into_iter().map(|facet| (Component::ElementPressure(facet), value)).collect()
     }

@@ -22,9 +22,9 @@ mod schedule;
 mod sets;
 
 use pneuflex_mesh::{Facet, Mesh};
-use pneuflex_model::{Clock, Problem, Region};
+use pneuflex_model::{Clock, Formulation, Problem, Region};
 
-use crate::linear_tets::MidEdges;
+use crate::mid_edges::MidEdges;
 use crate::report::{DeckError, Note, Place, Report};
 use crate::syntax::{Block, Include, Sources, parse_into};
 use body::Body;
@@ -111,10 +111,10 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     if context.report.has_errors() {
         return None;
     }
-    let mid_edges = body.family.is_linear.then(|| MidEdges::new(&body.mesh));
+    let mid_edges = body.first_added().map(|first| MidEdges::new(&body.mesh, first));
     let mut problem = Problem::body(
         mesh(&body, &sets, mid_edges.as_ref()),
-        body.family.formulation,
+        Formulation::of_mesh(&body.mesh)?,
         regions.first()?.material.clone(),
     );
     problem.clock = Clock::Steps;

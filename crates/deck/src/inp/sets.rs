@@ -123,8 +123,7 @@ impl AllSets {
         if let Some(elements) = item.block.value("ELSET") {
             match self.elements.get(body, scope, elements, "element set") {
                 Ok(set) => {
-                    let corners = body.family.num_nodes();
-                    let nodes = set.members.iter().flat_map(|&e| &body.mesh.element(e as usize)[..corners]);
+                    let nodes = set.members.iter().flat_map(|&element| body.written_nodes(element));
                     members.extend(nodes.copied());
                 }
                 Err(why) => context.error(item.block.place, why),
@@ -237,21 +236,16 @@ impl AllSets {
             };
             match label {
                 [] => {
-                    let of_element = |&element: &u32| {
-                        let faces = 0..body.mesh.kind.num_faces() as u8;
-                        faces.map(move |face| Facet { element, face })
-                    };
+                    let of_element = |&element: &u32| body.mesh.facets_of(element);
                     facets.extend(elements.iter().flat_map(of_element).filter(|&facet| body.is_free(facet)));
                 }
-                [label] => match body.family.labelled_face('S', label) {
-                    Some(face) => {
-                        let named: Vec<Facet> = elements.into_iter().map(|element| Facet { element, face }).collect();
+                [label] => match body.labelled_faces(&elements, 'S', label) {
+                    Ok(named) => {
                         body.note_inner_faces(&named, line.place, context);
                         facets.extend(named);
                     }
-                    None => {
-                        let most = body.mesh.kind.num_faces();
-                        let text = format!("surface {name}: {} is no face, S1 to S{most} are", quoted(label));
+                    Err(last) => {
+                        let text = format!("surface {name}: {} is no face, S1 to {last} are", quoted(label));
                         context.error(line.place, text);
                     }
                 },

@@ -25,11 +25,6 @@ impl Solid {
         Some(Self { kind, is_linear: kind.gmsh.number != Some(number) })
     }
 
-    /// In words.
-    pub fn words(self) -> String {
-        self.kind.body.words(self.order().len())
-    }
-
     /// Gmsh's node for each of ours.
     pub fn order(self) -> &'static [usize] {
         let order = self.kind.family().gmsh.order;

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{Facet, Mesh};
 
 use crate::jacobian::inverted_elements;
-use crate::linear_tets::add_mid_edge_nodes;
+use crate::mid_edges::{UNMATCHED, completed_mesh, note_on_families, unmatched_elements};
 use crate::report::{DeckError, Note, Place, Report};
 use element_types::{Solid, corners_of_type};
 use sections::{Element, Sections};
@@ -57,21 +57,10 @@ fn build(sections: &Sections, report: &mut Report) -> Option<MeshFile> {
     let at = |element: &Element| Place { file: 0, line: element.line };
     let solids: Vec<(&Element, Solid)> =
         sections.elements.iter().filter_map(|element| Some((element, Solid::of_type(element.kind)?))).collect();
-    let Some(&(first, solid)) = solids.first() else {
+    let Some(&(first, _)) = solids.first() else {
         report.error(Place { file: 0, line: 1 }, "no volume is meshed: generate a mesh in three dimensions");
         return None;
     };
-    if let Some((element, other)) = solids.iter().find(|(_, other)| *other != solid) {
-        let text = format!(
-            "a mesh must keep to one family of elements: element {} is of {}, element {} of {}",
-            first.tag,
-            solid.words(),
-            element.tag,
-            other.words()
-        );
-        report.error(at(element), text);
-        return None;
-    }
     let mut numbers: BTreeMap<u64, u32> =
         solids.iter().flat_map(|(element, _)| element.nodes.iter().map(|&tag| (tag, 0))).collect();
     numbers.iter_mut().zip(0..).for_each(|((_, number), next)| *number = next);
@@ -86,23 +75,26 @@ fn build(sections: &Sections, report: &mut Report) -> Option<MeshFile> {
             }
         }
     }
-    let ordered = |(element, _): &(&Element, Solid)| {
-        solid.order().iter().map(|&i| numbers[&element.nodes[i]]).collect::<Vec<u32>>()
+    let ordered = |(element, solid): &(&Element, Solid)| {
+        (solid.kind, solid.order().iter().map(|&i| numbers[&element.nodes[i]]).collect::<Vec<u32>>())
     };
-    let mut mesh = Mesh {
-        kind: solid.kind,
-        nodes,
-        connectivity: solids.iter().flat_map(ordered).collect(),
-        node_sets: BTreeMap::new(),
-        facet_sets: BTreeMap::new(),
-        element_sets: BTreeMap::new(),
-    };
-    if solid.is_linear {
-        add_mid_edge_nodes(&mut mesh);
+    let mut mesh = completed_mesh(nodes, &solids.iter().map(ordered).collect::<Vec<_>>());
+    if let Some((element, _)) = solids.iter().find(|(_, solid)| solid.is_linear) {
         report.note(
-            at(first),
-            "tetrahedra with 4 nodes lock; straight mid-edge nodes are added, and sets take in those of their faces and edges",
+            at(element),
+            "tetrahedra with 4 nodes lock, and so do wedges with 6; straight mid-edge nodes are added, and sets take in those of their faces \
+             and edges",
         );
+    }
+    if let Some(note) = note_on_families(&mesh) {
+        report.note(at(first), note);
+    }
+    if let Some(([one, other], [x, y, z])) = unmatched_elements(&mesh) {
+        let [tag, of_triangle] = [one, other].map(|element| solids[element].0.tag);
+        let text = format!(
+            "elements {tag} and {of_triangle} meet near ({x:.6}, {y:.6}, {z:.6}) with a quadrilateral on a triangle: {UNMATCHED}"
+        );
+        report.error(at(solids[one].0), text);
     }
     for (element, smallest) in inverted_elements(&mesh) {
         let (written, _) = solids[element];
@@ -218,12 +210,11 @@ fn faces_by_corners(mesh: &Mesh) -> Corners<Facet> {
 /// Mid-edge nodes, none for linear elements.
 fn edges_by_corners(mesh: &Mesh) -> Corners<u32> {
     let mut found: Corners<u32> = BTreeMap::new();
-    let first = mesh.kind.num_corners();
     for element in 0..mesh.num_elements() {
-        let nodes = mesh.element(element);
-        for (&[a, b], i) in mesh.kind.edges().iter().zip(first..) {
+        let (nodes, kind) = (mesh.element(element), mesh.kind_of(element));
+        for (&[a, b], i) in kind.edges().iter().zip(kind.num_corners()..) {
             let key = vec![nodes[a].min(nodes[b]), nodes[a].max(nodes[b])];
-            found.insert(key, nodes.get(i).filter(|_| mesh.kind.is_quadratic()).copied().into_iter().collect());
+            found.insert(key, nodes.get(i).filter(|_| kind.is_quadratic()).copied().into_iter().collect());
         }
     }
     found

@@ -33,6 +33,9 @@ pub(super) struct Element {
 /// A line and what is wrong there.
 pub(super) type Wrong = (u32, String);
 
+/// Gmsh's pyramids with 5, 13 and 14 nodes.
+const PYRAMIDS: [i32; 3] = [7, 19, 14];
+
 impl Sections {
     pub fn read(bytes: &[u8]) -> Result<Self, Wrong> {
         let mut cursor = Cursor::new(bytes);
@@ -146,8 +149,9 @@ impl Sections {
             let kind = cursor.int()?;
             let count = nodes_of_type(kind).ok_or_else(|| {
                 format!(
-                    "elements of Gmsh's type {kind} are not supported; volumes must be meshed with hexahedra of 8, 20 or 27 nodes or \
-                     tetrahedra of 4 or 10"
+                    "elements of Gmsh's type {kind}{} are not supported; volumes must be meshed with hexahedra of 8, 20 or 27 nodes, \
+                     wedges of 6, 15 or 18 or tetrahedra of 4 or 10",
+                    if PYRAMIDS.contains(&kind) { ", pyramids," } else { "" }
                 )
             })?;
             for _ in 0..cursor.size()? {

@@ -3,12 +3,13 @@
 use crate::support::{CUBES, MATERIAL, NODES, STEP, cubes, deck, errors, loaded, node, notes, numbers};
 use pneuflex_mesh::{ElementKind, Facet};
 use pneuflex_model::Formulation;
+use pneuflex_model::load::Load;
 
 #[test]
 fn nodes_and_elements_arrive_with_their_numbers() {
     let deck = deck(&cubes("", ""));
     let mesh = &deck.problem.mesh;
-    assert_eq!((mesh.kind, mesh.num_nodes(), mesh.num_elements()), (ElementKind::Hex8, 12, 2));
+    assert_eq!((mesh.kind_of(0), mesh.num_nodes(), mesh.num_elements()), (ElementKind::Hex8, 12, 2));
     assert_eq!(deck.problem.formulation, Formulation::Hex8Q1p0);
     assert!((mesh.volume() - 2.0).abs() < 1e-12);
     assert_eq!(mesh.nodes[node(&deck, 12) as usize], [2.0, 1.0, 1.0]);
@@ -97,7 +98,7 @@ fn linear_tetrahedra_get_shared_mid_edge_nodes_which_follow_their_sets() {
     let deck = deck(&text);
     let mesh = &deck.problem.mesh;
     // Nine edges of two tetrahedra that share a face.
-    assert_eq!((mesh.kind, mesh.num_nodes(), mesh.num_elements()), (ElementKind::Tet10, 5 + 9, 2));
+    assert_eq!((mesh.kind_of(0), mesh.num_nodes(), mesh.num_elements()), (ElementKind::Tet10, 5 + 9, 2));
     assert!((mesh.volume() - 0.5).abs() < 1e-14, "{}", mesh.volume());
     assert_eq!(mesh.node_set("FLOOR").len(), 6);
     assert!(mesh.node_set("FLOOR").iter().all(|&n| mesh.nodes[n as usize][2] == 0.0));
@@ -114,6 +115,98 @@ fn linear_tetrahedra_get_shared_mid_edge_nodes_which_follow_their_sets() {
         "{}",
         deck.notes[0]
     );
+}
+
+/// A cube, a wedge beside it and a tetrahedron on the wedge.
+const THREE: &str = "*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+9, 2., 0., 0.
+10, 2., 0., 1.
+11, 1.2, 0.2, 2.
+*ELEMENT, TYPE=C3D8, ELSET=BODY
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=C3D6H, ELSET=BODY
+2, 2, 9, 3, 6, 10, 7
+*ELEMENT, TYPE=C3D4, ELSET=BODY
+3, 6, 10, 7, 11
+*NSET, NSET=FLOOR
+1, 2, 3, 4, 9
+*SURFACE, NAME=SIDES
+1, S3
+2, S3
+*SURFACE, NAME=FLOOR
+1, S1
+2, S1
+";
+
+#[test]
+fn elements_of_several_kinds_with_matching_faces_are_one_body() {
+    let step = "*STEP, NLGEOM\n*STATIC\n*DLOAD\n2, P4, 0.1\n1, P6, 0.1\n*END STEP\n";
+    let deck = deck(&format!("{THREE}{MATERIAL}*BOUNDARY\nFLOOR, 1, 3\n{step}"));
+    let mesh = &deck.problem.mesh;
+    assert_eq!(mesh.families(), [ElementKind::Hex20, ElementKind::Tet10, ElementKind::Wedge15]);
+    assert!((mesh.volume() - (1.0 + 0.5 + 1.0 / 6.0)).abs() < 1e-14, "{}", mesh.volume());
+    // Edges of all three, those they share once: 12 + 5 + 3.
+    assert_eq!(mesh.num_nodes(), 11 + 20);
+    let on_floor: Vec<u32> = mesh.select_nodes(|x| x[2] == 0.0);
+    assert_eq!(mesh.node_set("FLOOR"), on_floor);
+    assert_eq!(mesh.facet_set("SIDES"), mesh.select_facets(|x| x[1] == 0.0 && x[2] <= 1.0));
+    assert_eq!(mesh.facet_set("FLOOR"), mesh.select_facets(|x| x[2] == 0.0));
+    let faces = |load: &Load| match load {
+        Load::Pressure { facets, .. } => facets.clone(),
+        _ => panic!(),
+    };
+    let mut loaded: Vec<_> = deck.problem.loads.iter().flat_map(faces).collect();
+    loaded.sort();
+    let hypotenuse = |x: [f64; 3]| (x[0] + x[1] - 2.0).abs() < 1e-12 && x[2] <= 1.0;
+    let expected = [mesh.select_facets(|x| x[0] == 0.0), mesh.select_facets(hypotenuse)].concat();
+    assert_eq!(loaded, expected);
+    assert!(deck.notes.iter().any(|note| note.to_string().contains("elements of several kinds are solved together")));
+    let problem = deck.problem.solved_by(None).unwrap();
+    assert_eq!(problem.element_names(), "hex27 + tet15 + wedge21");
+}
+
+#[test]
+fn faces_that_do_not_match_are_refused_with_their_place() {
+    // The tetrahedron stands on half of the cube.
+    let torn = THREE.replace("3, 6, 10, 7, 11", "3, 5, 6, 7, 11");
+    let found = errors(&format!("{torn}{MATERIAL}{STEP}"));
+    assert!(
+        found[0]
+            .contains("elements 1 and 3 meet near (0.500000, 0.500000, 1.000000) with a quadrilateral on a triangle"),
+        "{found:?}"
+    );
+    // A face that a wedge does not have.
+    let wrong = THREE.replace("2, S3\n", "2, S6\n");
+    let found = errors(&format!("{wrong}{MATERIAL}{STEP}"));
+    assert!(found[0].contains("surface SIDES: \"S6\" is no face, S1 to S5 are"), "{found:?}");
+}
+
+/// A quadratic wedge beside a linear cube: the nodes in the middle of its edges are the cube's, too.
+#[test]
+fn linear_elements_take_the_mid_edge_nodes_of_quadratic_neighbours() {
+    let wedge = "*ELEMENT, TYPE=C3D15, ELSET=BODY\n2, 2, 9, 3, 6, 10, 7, 21, 22, 23, 24, 25, 26, 27, 28,\n29\n";
+    let middles = "21, 1.5, 0., 0.\n22, 1.5, 0.5, 0.\n23, 1.1, 0.5, 0.\n24, 1.5, 0., 1.\n25, 1.5, 0.5, 1.\n26, 1.1, 0.5, 1.\n\
+                   27, 1., 0., 0.5\n28, 2., 0., 0.5\n29, 1., 1., 0.5\n";
+    let begin = THREE.find("*ELEMENT, TYPE=C3D6H").unwrap();
+    let nodes = THREE[..begin].replace("11, 1.2, 0.2, 2.\n", middles);
+    let deck = deck(&format!("{nodes}{wedge}{MATERIAL}{STEP}"));
+    let mesh = &deck.problem.mesh;
+    assert_eq!(mesh.num_nodes(), 10 + 9 + 8);
+    // The common face is curved alike.
+    assert!(mesh.unmatched_faces().is_none());
+    let expected: f64 = 1.5;
+    assert!((mesh.volume() - expected).abs() < 1e-12, "{}", mesh.volume());
+    let of_face = [mesh.element(0), mesh.element(1)]
+        .map(|nodes| nodes.iter().filter(|&&n| mesh.nodes[n as usize][0] == 1.1).count());
+    assert_eq!(of_face, [2, 2]);
 }
 
 #[test]
@@ -167,18 +260,10 @@ fn broken_meshes_are_told_by_line() {
     );
     let inverted = errors(&with(NODES, &CUBES.replace("10, 1, 2, 3, 4, 5", "10, 1, 4, 3, 2, 5")));
     assert!(inverted[0].starts_with("a.inp:15: element 10 is inverted or flat: its Jacobian is -"), "{inverted:?}");
-    let mixed = format!("{CUBES}*ELEMENT, TYPE=C3D10\n");
-    assert_eq!(
-        errors(&with(NODES, &mixed)),
-        [
-            "a.inp:25: a deck must keep to one family of elements: C3D10 are tetrahedra with 10 nodes, but C3D8 in a.inp:14 are \
-         hexahedra with 8 nodes"
-        ]
-    );
     assert_eq!(
         errors(&with(NODES, &CUBES.replace("C3D8", "S4R")))[0],
         "a.inp:14: elements of type \"S4R\" cannot be solved: only the \
-                solids C3D8, C3D20, C3D10, C3D4 and their variants are solved"
+                solids C3D8, C3D20, C3D10, C3D4, C3D15, C3D6 and their variants are solved"
     );
     assert_eq!(errors(&format!("{NODES}{STEP}")), ["a.inp:1: the deck has no *ELEMENT"]);
     assert_eq!(

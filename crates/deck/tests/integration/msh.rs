@@ -4,10 +4,21 @@ use std::fs;
 use std::path::PathBuf;
 
 use pneuflex_deck::msh::{MeshFile, read};
-use pneuflex_mesh::ElementKind;
+use pneuflex_mesh::{ElementKind, ReferenceBody};
 use proptest::prelude::*;
 
-const FILES: [&str; 5] = ["hex8", "hex20", "hex27_binary", "tet10", "tet4_binary"];
+const FILES: [&str; 10] = [
+    "hex8",
+    "hex20",
+    "hex27_binary",
+    "tet10",
+    "tet4_binary",
+    "wedge6",
+    "wedge15",
+    "wedge18_binary",
+    "hex8_wedge6",
+    "hex27_wedge18_binary",
+];
 
 fn bytes(name: &str) -> Vec<u8> {
     fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(format!("{name}.msh"))).unwrap()
@@ -23,29 +34,41 @@ fn errors(bytes: &[u8]) -> Vec<String> {
 
 #[test]
 fn every_family_has_its_nodes_in_their_places() {
-    let kinds = [ElementKind::Hex8, ElementKind::Hex20, ElementKind::Hex27, ElementKind::Tet10, ElementKind::Tet10];
-    for (name, kind) in FILES.into_iter().zip(kinds) {
+    use ElementKind::{Hex8, Hex20, Hex27, Tet10, Wedge15, Wedge18};
+    let families: [&[ElementKind]; 10] = [
+        &[Hex8],
+        &[Hex20],
+        &[Hex27],
+        &[Tet10],
+        &[Tet10],
+        &[Wedge15],
+        &[Wedge15],
+        &[Wedge18],
+        // Beside wedges linear hexahedra get nodes on their edges, too.
+        &[Hex20, Wedge15],
+        &[Hex27, Wedge18],
+    ];
+    for (name, families) in FILES.into_iter().zip(families) {
         let mesh = file(name).mesh;
-        assert_eq!(mesh.kind, kind, "{name}");
+        assert_eq!(mesh.families(), families, "{name}");
         assert!((mesh.volume() - 2.0).abs() < 1e-12, "{name}: {}", mesh.volume());
-        let corners = kind.num_corners();
+        assert!(mesh.unmatched_faces().is_none());
         for element in 0..mesh.num_elements() {
+            let kind = mesh.kind_of(element);
+            let corners = kind.num_corners();
             let nodes: Vec<[f64; 3]> = mesh.element(element).iter().map(|&n| mesh.nodes[n as usize]).collect();
             // Straight edges: all further nodes are where the shape functions of the corners put them.
             for (xi, x) in kind.reference_nodes().iter().zip(&nodes).skip(corners) {
-                let weight = |corner: &[f64; 3]| -> f64 {
-                    match kind {
-                        ElementKind::Tet10 => unreachable!(),
-                        _ => (0..3).map(|i| 0.5 * (1.0 + corner[i] * xi[i])).product(),
+                let line = |corner: &[f64; 3], d: usize| 0.5 * (1.0 + corner[d] * xi[d]);
+                let weight = |at: usize| -> f64 {
+                    let corner = &kind.reference_nodes()[at];
+                    match kind.body {
+                        ReferenceBody::Tetrahedron => [1.0 - xi.iter().sum::<f64>(), xi[0], xi[1], xi[2]][at],
+                        ReferenceBody::Wedge => [1.0 - xi[0] - xi[1], xi[0], xi[1]][at % 3] * line(corner, 2),
+                        ReferenceBody::Hexahedron => (0..3).map(|d| line(corner, d)).product(),
                     }
                 };
-                let expected: [f64; 3] = std::array::from_fn(|i| match kind {
-                    ElementKind::Tet10 => {
-                        let rest = 1.0 - xi.iter().sum::<f64>();
-                        rest * nodes[0][i] + (0..3).map(|j| xi[j] * nodes[j + 1][i]).sum::<f64>()
-                    }
-                    _ => (0..8).map(|c| weight(&kind.reference_nodes()[c]) * nodes[c][i]).sum(),
-                });
+                let expected: [f64; 3] = std::array::from_fn(|i| (0..corners).map(|c| weight(c) * nodes[c][i]).sum());
                 assert!((0..3).all(|i| (expected[i] - x[i]).abs() < 1e-9), "{name}: {expected:?} {x:?}");
             }
         }
@@ -65,7 +88,6 @@ fn physical_groups_are_sets() {
                 return assert!(mesh.facet_set(set).is_empty(), "{name}: {set}");
             };
             assert_eq!(mesh.facet_set(set), mesh.select_facets(lies), "{name}: {set}");
-            let corners = mesh.kind.face_kind(0).num_corners();
             let of_triangle = |a: u32, b: u32, c: u32| {
                 let [a, b, c] = [a, b, c].map(|n| mesh.nodes[n as usize]);
                 let (u, v): ([f64; 3], [f64; 3]) =
@@ -79,7 +101,7 @@ fn physical_groups_are_sets() {
                 .facet_set(set)
                 .iter()
                 .map(|&facet| {
-                    let n = mesh.facet_nodes(facet);
+                    let (n, corners) = (mesh.facet_nodes(facet), mesh.face_kind(facet).num_corners());
                     (2..corners).map(|i| of_triangle(n[0], n[i - 1], n[i])).sum::<f64>()
                 })
                 .sum();
@@ -132,8 +154,9 @@ fn other_versions_and_elements_are_refused() {
         assert!(text.contains(from), "{from}");
         errors(text.replacen(from, to, 1).as_bytes())
     };
-    let prisms = with("3 1 5 2", "3 1 6 2");
-    assert!(prisms[0].contains("$Elements: elements of Gmsh's type 6 are not supported; volumes must"), "{prisms:?}");
+    let pyramids = with("3 1 5 2", "3 1 7 2");
+    let refusal = "$Elements: elements of Gmsh's type 7, pyramids, are not supported; volumes must";
+    assert!(pyramids[0].contains(refusal), "{pyramids:?}");
     assert!(with("$EndElements", "$EndElement")[0].contains("$Elements without $EndElements"));
     assert!(with("$Entities", "$PartitionedEntities")[0].contains("partitioned meshes are not supported"));
     assert!(with("3 1 5 2", "3 1 5 200")[0].contains("is not a whole number"));

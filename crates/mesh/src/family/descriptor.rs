@@ -10,6 +10,8 @@ pub enum ReferenceBody {
     Hexahedron,
     /// The unit tetrahedron.
     Tetrahedron,
+    /// The unit triangle times \[−1, 1\].
+    Wedge,
 }
 
 impl ReferenceBody {
@@ -18,6 +20,7 @@ impl ReferenceBody {
         let body = match self {
             Self::Hexahedron => "hexahedra",
             Self::Tetrahedron => "tetrahedra",
+            Self::Wedge => "wedges",
         };
         format!("{body} with {num_nodes} nodes")
     }
@@ -44,8 +47,9 @@ pub struct ElementFamily {
     pub fine_rule: fn() -> Vec<([f64; 3], f64)>,
     /// How lattice cells are divided into elements.
     pub lattice: LatticeCell,
-    /// The family that has the first of the nodes; the further ones lie in the faces and inside. A mesh of it can be enriched.
-    pub enriches: Option<ElementKind>,
+    /// Families that lack some of the nodes in the faces and inside, and have all others; where they are the first of the nodes, in that
+    /// order. Meshes of these can be enriched.
+    pub enriches: &'static [ElementKind],
     /// Local nodes of tetrahedra through all nodes, with positive volumes, for pictures; neighbours of one lattice are cut alike on the face
     /// they share. `None` if [`Self::completed_by`] is divided instead.
     pub tetrahedra: Option<fn() -> Vec<[u8; 4]>>,
@@ -68,13 +72,20 @@ pub struct Face {
     pub nodes: &'static [usize],
 }
 
+impl Face {
+    /// Whether it has a node at its centre, which comes last.
+    pub fn has_centre(&self) -> bool {
+        self.nodes.len() > 2 * self.kind.num_corners()
+    }
+}
+
 /// How a family fills the cells of a lattice.
 #[derive(Debug)]
 pub struct LatticeCell {
     /// Number of elements that one cell is divided into.
     pub elements: usize,
     /// Positions (0, 1 or 2 along each axis) of the nodes of all elements, one after the other, on the cell with halved edges; of a family
-    /// with nodes elsewhere, those of the family that it enriches.
+    /// with nodes elsewhere, those of the first family that it enriches.
     pub nodes: fn() -> Vec<[usize; 3]>,
     /// Facets on the sides (−x, +x, −y, +y, −z, +z) of a cell: element within the cell and its local face.
     pub facets_on_sides: fn() -> [Vec<(usize, u8)>; 6],
@@ -149,6 +160,11 @@ impl ElementFamily {
     /// Reference coordinates of the nodes.
     pub const fn reference_nodes(&self) -> &'static [[f64; 3]] {
         self.nodes
+    }
+
+    /// The node that lies where node `local` of another family of the same body does; `None` if there is none.
+    pub fn place_of(&self, other: &Self, local: usize) -> Option<usize> {
+        self.nodes.iter().position(|node| *node == other.nodes[local])
     }
 
     /// Whether nodes sit on mid-edges, so that edges may be curved.

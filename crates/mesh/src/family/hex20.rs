@@ -18,7 +18,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(3),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(20), [4.0, 17.3]),
-    enriches: None,
+    enriches: &[],
     tetrahedra: None,
     completed_by: Some(|| &hex27::FAMILY),
     vtk_cell_type: 25,

@@ -20,7 +20,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(3),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(27), [8.0, 23.0]),
-    enriches: Some(ElementKind::Hex20),
+    enriches: &[ElementKind::Hex20],
     tetrahedra: Some(|| hexahedron::tetrahedra(27, 2)),
     completed_by: None,
     vtk_cell_type: 29,

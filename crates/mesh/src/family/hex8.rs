@@ -18,7 +18,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: || quadrature::hexahedron(2),
     fine_rule: || quadrature::hexahedron(4),
     lattice: hexahedron::lattice_cell(|| hexahedron::places(8), [1.0, 5.8]),
-    enriches: None,
+    enriches: &[],
     tetrahedra: Some(|| hexahedron::tetrahedra(8, 1)),
     completed_by: None,
     vtk_cell_type: 12,

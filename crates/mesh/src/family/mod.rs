@@ -8,5 +8,9 @@ mod hexahedron;
 pub mod tet10;
 pub mod tet15;
 pub(crate) mod tetrahedron;
+mod wedge;
+pub mod wedge15;
+pub mod wedge18;
+pub mod wedge21;
 
 pub use descriptor::{AbaqusTypes, ElementFamily, Face, GmshTypes, LatticeCell, ReferenceBody};

@@ -39,7 +39,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: quadrature::tetrahedron_8,
     fine_rule: quadrature::tetrahedron_64,
     lattice: LATTICE,
-    enriches: None,
+    enriches: &[],
     tetrahedra: Some(tetrahedra),
     completed_by: None,
     vtk_cell_type: 24,

@@ -52,7 +52,7 @@ pub static FAMILY: ElementFamily = ElementFamily {
     volume_rule: quadrature::tetrahedron_24,
     fine_rule: quadrature::tetrahedron_64,
     lattice: LatticeCell { nodes_per_cell: [26.0, 34.5], ..tet10::LATTICE },
-    enriches: Some(ElementKind::Tet10),
+    enriches: &[ElementKind::Tet10],
     tetrahedra: Some(tetrahedra),
     completed_by: None,
     // Lagrange's tetrahedron of any order, of which that with 15 nodes is one.

@@ -509,11 +509,10 @@ fn named<'a, T>(sets: &'a BTreeMap<String, Vec<T>>, name: &str) -> Option<(&'a S
 
 /// Elements whose mean corner lies between two corners of a box.
 fn elements_within(mesh: &Mesh, [low, high]: [[f64; 3]; 2]) -> Vec<u32> {
-    let corners = mesh.kind.num_corners();
     let is_within = |element: &u32| {
-        let nodes = &mesh.element(*element as usize)[..corners];
+        let nodes = mesh.corners(*element as usize);
         (0..3).all(|k| {
-            let centre = nodes.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / corners as f64;
+            let centre = nodes.iter().map(|&n| mesh.nodes[n as usize][k]).sum::<f64>() / nodes.len() as f64;
             (low[k].min(high[k])..=low[k].max(high[k])).contains(&centre)
         })
     };

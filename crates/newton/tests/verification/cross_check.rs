@@ -12,6 +12,7 @@ use pneuflex_assembly::{
 };
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
+use pneuflex_mesh::testing::mixed;
 use pneuflex_mesh::{Actuator, Mesh};
 use pneuflex_model::{
     ContactMethod, ContactPair, Formulation, Invariant, Law, LoadParameter, Material, Pressure, Problem, Region,
@@ -81,12 +82,16 @@ fn materials() -> Vec<Material> {
 /// Residual of the energy, and tangent with pressures carried over from another state.
 #[test]
 fn elements() {
-    for formulation in Formulation::ALL {
+    let of_one = Formulation::ALL.into_iter().map(|formulation| (formulation, skewed(formulation)));
+    // A hexahedron beside two wedges.
+    let [hexahedra, wedges] = [Formulation::Hex27, Formulation::Wedge21].map(skewed);
+    let several = mixed(&hexahedra, &wedges, |x| x[0] < 1.0);
+    assert_eq!(several.families().len(), 2);
+    for (formulation, mesh) in of_one.chain([(Formulation::Hex27, several)]) {
         // Matrix functions of dual numbers take their time: Ogden's law on elements of few points.
-        let is_large = matches!(formulation, Formulation::Hex20 | Formulation::Hex27 | Formulation::Tet15);
+        let is_large = formulation.num_modes > 1;
         let is_slow = |material: &Material| is_large && matches!(material.law, Law::Ogden { .. });
         for material in materials().into_iter().filter(|material| !is_slow(material)) {
-            let mesh = skewed(formulation);
             let name = format!("{formulation} {:?} {:?} {:?}", material.law, material.volumetric, material.invariant);
             let mut solid = Solid::new(mesh.clone(), formulation, &material).unwrap();
             let reference = SolidModel::new(&body(mesh.clone(), formulation, material)).unwrap();

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use pneuflex_mesh::lattice::Lattice;
-use pneuflex_mesh::{Actuator, Facet};
+use pneuflex_mesh::testing::mixed;
+use pneuflex_mesh::{Actuator, ElementKind, Facet, Mesh};
 use pneuflex_model::load::Load;
 use pneuflex_model::{
     Cavity, Clock, ContactMethod, Control, Curve, Formulation, Gas, Invariant, Law, LinearEquation, Material, Motion,
@@ -20,7 +21,20 @@ const SIDES: [f64; 3] = [3.0, 1.0, 1.2];
 
 /// A bar that is clamped at x = 0.
 fn bar(formulation: Formulation) -> Problem {
-    let mesh = Lattice::uniform([0.0; 3], SIDES, [3, 1, 1]).mesh_all(formulation.element_kind());
+    bar_of(Lattice::uniform([0.0; 3], SIDES, [3, 1, 1]).mesh_all(formulation.element_kind()), formulation)
+}
+
+/// Bars of every formulation, and one that begins with a hexahedron and goes on with wedges.
+fn bars() -> impl Iterator<Item = (String, Problem)> {
+    let of_family = |kind| Lattice::uniform([0.0; 3], SIDES, [3, 1, 1]).mesh_all(kind);
+    let first = SIDES[0] / 3.0;
+    let several = mixed(&of_family(ElementKind::Hex27), &of_family(ElementKind::Wedge21), |x| x[0] < first);
+    let several = bar_of(several, Formulation::Hex27);
+    let of_one = Formulation::ALL.into_iter().map(|formulation| (formulation.name().to_owned(), bar(formulation)));
+    of_one.chain([(several.element_names(), several)])
+}
+
+fn bar_of(mesh: Mesh, formulation: Formulation) -> Problem {
     let mut problem = Problem::body(mesh, formulation, Material { density: 1.1, ..Material::default() });
     hold(&mut problem, 0.0, [true; 3], None);
     problem.clock = Clock::Steps;
@@ -61,8 +75,7 @@ fn check(
 /// Two of each kind, so that they add up; gravity on elements of two densities.
 #[test]
 fn forces_tractions_and_weights() {
-    for formulation in Formulation::ALL {
-        let mut problem = bar(formulation);
+    for (formulation, mut problem) in bars() {
         let elements: Vec<u32> = (0..problem.mesh.num_elements() as u32 / 3).collect();
         let material = Material { density: 2.0, ..Law::NeoHooke { c10: 0.4 }.into() };
         problem.regions = vec![Region { name: "first".into(), elements: elements.clone(), material }];
@@ -83,8 +96,7 @@ fn forces_tractions_and_weights() {
 /// The rims of both faces are free: the tangent is not symmetric.
 #[test]
 fn pressure_on_faces_with_a_free_rim() {
-    for formulation in Formulation::ALL {
-        let mut problem = bar(formulation);
+    for (formulation, mut problem) in bars() {
         let (top, end) = (facets_at(&problem, 2), facets_at(&problem, 0));
         problem.loads = vec![
             Load::Pressure { facets: top.clone(), curve: Curve::Proportional(0.02) },

@@ -42,8 +42,7 @@ class _Body:
 
     @classmethod
     def of_analysis(cls, analysis: _native.Analysis) -> _Body:
-        cells = integers(analysis.cells)
-        sizes = np.full(len(cells), cells.shape[1])
+        cells, sizes = integers(analysis.cells), np.array(analysis.cell_sizes, dtype=np.int64)
         return cls(floats(analysis.nodes), cells.reshape(-1), sizes, integers(analysis.cell_types))
 
     @classmethod

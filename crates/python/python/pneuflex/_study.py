@@ -66,7 +66,7 @@ class Check:
 
     @property
     def connectivity(self) -> Integers:
-        """Nodes of every cell in VTK's order, shape (cells, nodes of a cell)."""
+        """Nodes of every cell in VTK's order, shape (cells, nodes of a cell); one list where there are cells of several kinds."""
         return integers(self._analysis.cells)
 
     @property

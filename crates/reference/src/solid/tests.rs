@@ -41,7 +41,7 @@ fn primal_energy_is_the_one_in_the_text() {
     for formulation in Formulation::ALL {
         let mut mesh = block(formulation, [1.0, 1.2, 0.8], [1, 1, 1], 0.05);
         // One element: of the cube's tetrahedra, the first.
-        mesh.connectivity.truncate(mesh.kind.num_nodes());
+        mesh.connectivity.truncate(mesh.kind_of(0).num_nodes());
         let stretched = displacement(&mesh, |[x, y, z]| [1.1 * x, y + 0.2 * z, 1.05 * z]);
         let u: Vec<f64> = stretched.iter().zip(noise(stretched.len(), 0.05)).map(|(a, b)| a + b).collect();
         // Both moduli are large enough for κ_f not to depend on them.
@@ -51,8 +51,8 @@ fn primal_energy_is_the_one_in_the_text() {
         };
         // Linear in κ: the difference is the volumetric energy for Δκ.
         let volumetric = energy(5.0) - energy(3.0);
-        let shape = ShapeFunctions::of_element(mesh.kind).unwrap();
-        let order = if mesh.kind.is_quadratic() { 3 } else { 2 };
+        let shape = ShapeFunctions::of_element(mesh.kind_of(0)).unwrap();
+        let order = if mesh.kind_of(0).is_quadratic() { 3 } else { 2 };
         let volumes = |xi: &[f64; 3]| {
             let gradients = shape.gradients(xi);
             let determinant = |moved: f64| {
@@ -68,6 +68,7 @@ fn primal_energy_is_the_one_in_the_text() {
             Formulation::Tet10 => quadrature::collapsed(3),
             Formulation::Hex20 => quadrature::irons(),
             Formulation::Tet15 => quadrature::tetrahedron_of_degree_5(),
+            Formulation::Wedge21 => quadrature::prism(&quadrature::triangle_of_degree_5()),
             _ => quadrature::tensor(order),
         };
         let sum = |f: &dyn Fn(&[f64; 3], f64, f64) -> f64| -> f64 {

@@ -20,9 +20,12 @@ export class Actuator {
     this.plane = null;
     this.group = new Group();
     this.buildGeometry(body);
-    const elements = integers(body.elements);
-    const { nodes_per_element: nodesPerElement, tetrahedra } = body;
-    this.sections = [0, 1].map(() => new Section({ nodes: states.nodes, elements, nodesPerElement, tetrahedra }));
+    const blocks = body.elements.map(({ nodes, nodes_per_element: nodesPerElement, tetrahedra }) => ({
+      elements: integers(nodes),
+      nodesPerElement,
+      tetrahedra,
+    }));
+    this.sections = [0, 1].map(() => new Section({ nodes: states.nodes, blocks }));
     this.halves = (this.mirrored ? [1, -1] : [1]).map((sign, i) => this.buildHalf(sign, i));
     this.useField(this.field);
     this.showParts();

@@ -2,10 +2,10 @@
 // of the way from one node to another, and moves with both. Only a new plane needs a new section; a new time does not.
 
 export class Section {
-  /** @param body nodes (reference positions), elements, nodesPerElement, tetrahedra (local nodes) */
+  /** @param body nodes (reference positions), blocks of elements: elements, nodesPerElement, tetrahedra (local nodes) */
   constructor(body) {
     this.body = body;
-    this.bounds = [0, 1, 2].map((axis) => elementBounds(body, axis));
+    this.bounds = [0, 1, 2].map((axis) => body.blocks.map((block) => elementBounds(body.nodes, block, axis)));
     this.clear();
   }
 
@@ -18,28 +18,30 @@ export class Section {
 
   /** Cuts across an axis (0, 1, 2) at a coordinate in mm; normals point along the axis if `side` is 1, against it if −1. */
   cut(axis, at, side) {
-    const { nodes, elements, nodesPerElement, tetrahedra } = this.body;
-    const [low, high] = this.bounds[axis];
+    const { nodes, blocks } = this.body;
     const found = { from: [], to: [], share: [], triangles: [], known: new Map() };
     const distance = (node) => nodes[3 * node + axis] - at;
-    for (let e = 0; e < low.length; e++) {
-      if (low[e] > at || high[e] < at) continue;
-      for (const local of tetrahedra) {
-        const corners = local.map((n) => elements[e * nodesPerElement + n]);
-        const below = corners.filter((n) => distance(n) < 0);
-        const above = corners.filter((n) => distance(n) >= 0);
-        if (!below.length || !above.length) continue;
-        const point = (a, b) => pointOn(found, a, b, distance, nodes.length / 3);
-        if (below.length === 2) {
-          const [p, q, r, s] = [...below, ...above];
-          const ring = [point(p, r), point(p, s), point(q, s), point(q, r)];
-          found.triangles.push([ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]);
-        } else {
-          const [[tip], base] = below.length === 1 ? [below, above] : [above, below];
-          found.triangles.push(base.map((n) => point(tip, n)));
+    blocks.forEach(({ elements, nodesPerElement, tetrahedra }, number) => {
+      const [low, high] = this.bounds[axis][number];
+      for (let e = 0; e < low.length; e++) {
+        if (low[e] > at || high[e] < at) continue;
+        for (const local of tetrahedra) {
+          const corners = local.map((n) => elements[e * nodesPerElement + n]);
+          const below = corners.filter((n) => distance(n) < 0);
+          const above = corners.filter((n) => distance(n) >= 0);
+          if (!below.length || !above.length) continue;
+          const point = (a, b) => pointOn(found, a, b, distance, nodes.length / 3);
+          if (below.length === 2) {
+            const [p, q, r, s] = [...below, ...above];
+            const ring = [point(p, r), point(p, s), point(q, s), point(q, r)];
+            found.triangles.push([ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]);
+          } else {
+            const [[tip], base] = below.length === 1 ? [below, above] : [above, below];
+            found.triangles.push(base.map((n) => point(tip, n)));
+          }
         }
       }
-    }
+    });
     this.from = Uint32Array.from(found.from);
     this.to = Uint32Array.from(found.to);
     this.share = Float32Array.from(found.share);
@@ -86,7 +88,7 @@ function oriented(triangles, points, axis, side) {
   );
 }
 
-function elementBounds({ nodes, elements, nodesPerElement }, axis) {
+function elementBounds(nodes, { elements, nodesPerElement }, axis) {
   const count = elements.length / nodesPerElement;
   const [low, high] = [new Float32Array(count).fill(Infinity), new Float32Array(count).fill(-Infinity)];
   for (let i = 0; i < elements.length; i++) {

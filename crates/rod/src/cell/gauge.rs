@@ -76,7 +76,7 @@ fn section_angle(problem: &Problem, displacement: &[[f64; 3]], x: f64, base: f64
     let mesh = &problem.mesh;
     let mut is_corner = vec![false; mesh.num_nodes()];
     for element in 0..mesh.num_elements() {
-        mesh.element(element)[..mesh.kind.num_corners()].iter().for_each(|&node| is_corner[node as usize] = true);
+        mesh.corners(element).iter().for_each(|&node| is_corner[node as usize] = true);
     }
     let corners = mesh.node_set("bottom_centreline").iter().filter(|&&node| is_corner[node as usize]);
     let mut lines: Vec<f64> = corners.map(|&node| mesh.nodes[node as usize][0]).collect();

@@ -4,7 +4,8 @@
 //! [`super::frame`] how it turns, is mirrored and scales, and in [`super::rewrite`] what becomes of it in a half. The compiler asks for it.
 
 use pneuflex::mesh::lattice::Lattice;
-use pneuflex::mesh::{Actuator, Channel, Facet, Mesh, Part};
+use pneuflex::mesh::testing::mixed;
+use pneuflex::mesh::{Actuator, Channel, ElementKind, Facet, Mesh, Part};
 use pneuflex::model::model_file::{
     CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Source,
     Steps, SupportTable, Times, TractionTable,
@@ -525,7 +526,9 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
     }
     // A slot, whose walls meet under a load.
     let is_slot = has_hole && dice.chance(0.3);
-    let mesh = block(formulation, [low, high], cells, holes, (is_half, is_slot));
+    // Every third body of such hexahedra has wedges in the place of some.
+    let is_mixed = formulation == Formulation::Hex27 && dice.chance(0.35);
+    let mesh = block(formulation, [low, high], cells, holes, (is_half, is_slot, is_mixed));
     let edges: [f64; 3] = std::array::from_fn(|d| (high[d] - low[d]) / cells[d] as f64);
     let target = Target::new([low, high], edges[0].max(edges[1]));
     let material = material(dice);
@@ -647,7 +650,7 @@ fn block(
     [low, high]: [[f64; 3]; 2],
     cells: [usize; 3],
     holes: usize,
-    (is_half, is_slot): (bool, bool),
+    (is_half, is_slot, is_mixed): (bool, bool, bool),
 ) -> Mesh {
     let mut lattice = Lattice::uniform(low, high, cells);
     let wall = |d: usize| if d == 0 { cells[0] / (1 + 2 * holes) } else { (cells[d] / 3).max(1) };
@@ -668,7 +671,12 @@ fn block(
             *plane = middle + 0.1 * (*plane - middle);
         }
     }
-    let mut mesh = lattice.mesh(formulation.element, |cell| hole_of(cell).is_none()).mesh;
+    let of_family = |kind| lattice.mesh(kind, |cell| hole_of(cell).is_none()).mesh;
+    let mut mesh = of_family(formulation.element);
+    if is_mixed {
+        let first = lattice.lines[0][1];
+        mesh = mixed(&mesh, &of_family(ElementKind::Wedge21), |x| x[0] < first);
+    }
     let sides = ["x0", "x1", "y0", "y1", "z0", "z1"];
     let boundary = mesh.boundary_facets();
     let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
@@ -699,10 +707,9 @@ fn block(
         }
     }
     let first_third = low[0] + first_part(cells) * (high[0] - low[0]);
-    let corners = mesh.kind.num_corners();
     let in_front = |element: &u32| {
-        let nodes = &mesh.element(*element as usize)[..corners];
-        nodes.iter().map(|&node| mesh.nodes[node as usize][0]).sum::<f64>() / (corners as f64) < first_third
+        let nodes = mesh.corners(*element as usize);
+        nodes.iter().map(|&node| mesh.nodes[node as usize][0]).sum::<f64>() / (nodes.len() as f64) < first_third
     };
     let front = (0..mesh.num_elements() as u32).filter(in_front).collect();
     mesh.element_sets.insert("front".into(), front);

@@ -82,21 +82,26 @@ impl Draw {
 /// without the nodes that are added to them by default.
 fn imported(model: &Model, body: &Body) -> (Mesh, Model) {
     let mesh = as_files_have_it(&body.mesh);
-    let by_default = Formulation::of_kind(mesh.kind.enriched().unwrap_or(mesh.kind));
     let mut model = model.clone();
-    model.mesh.element = (by_default != Some(body.formulation)).then_some(body.formulation);
+    model.mesh.element = (!is_by_default(&mesh, body)).then_some(body.formulation);
     (mesh, model)
 }
 
 fn as_files_have_it(mesh: &Mesh) -> Mesh {
-    if mesh.kind.gmsh.number.is_none() { without_added_nodes(mesh) } else { mesh.clone() }
+    let has_all = mesh.families().iter().all(|kind| kind.gmsh.number.is_some());
+    if has_all { mesh.clone() } else { without_added_nodes(mesh) }
+}
+
+/// Whether a mesh is solved with the body's formulation if none is asked for; with several families there is no choice.
+fn is_by_default(mesh: &Mesh, body: &Body) -> bool {
+    let kind = mesh.kinds.only();
+    kind.is_none_or(|kind| Formulation::of_kind(kind.enriched().unwrap_or(kind)) == Some(body.formulation))
 }
 
 /// The mesh of a deck alone that is solved with the body's formulation; `None` if there is none.
 pub(super) fn of_deck_alone(body: &Body) -> Option<Mesh> {
     let mesh = as_files_have_it(&body.mesh);
-    let by_default = Formulation::of_kind(mesh.kind.enriched().unwrap_or(mesh.kind));
-    (by_default == Some(body.formulation)).then_some(mesh)
+    is_by_default(&mesh, body).then_some(mesh)
 }
 
 fn in_memory(model: &Model, body: &Body) -> Result<Analysis, Error> {
@@ -111,8 +116,10 @@ pub(crate) fn recorded(Body { mesh, formulation }: &Body) -> String {
     let faces: BTreeMap<&String, Vec<(u32, u8)>> = (mesh.facet_sets.iter())
         .map(|(name, facets)| (name, facets.iter().map(|facet| (facet.element, facet.face)).collect()))
         .collect();
+    let kinds = || (0..mesh.num_elements()).map(|element| mesh.kind_of(element)).collect::<Vec<_>>();
     json!({
         "formulation": formulation,
+        "families": if mesh.kinds.only().is_some() { Vec::new() } else { kinds() },
         "nodes": mesh.nodes,
         "connectivity": mesh.connectivity,
         "node_sets": mesh.node_sets,
@@ -131,15 +138,17 @@ fn deck(mesh: &Mesh) -> Option<String> {
 
 /// Nodes, elements, sets and surfaces of a deck.
 pub(super) fn deck_of_mesh(mesh: &Mesh) -> Option<String> {
-    let types = &mesh.kind.family().abaqus;
-    let name = types.names.first()?;
     let mut text = String::from("*NODE, NSET=ALLNODES\n");
     // Writing to a string cannot fail.
     for (node, [x, y, z]) in mesh.nodes.iter().enumerate() {
         let _ = writeln!(text, "{}, {x:?}, {y:?}, {z:?}", node + 1);
     }
-    let _ = writeln!(text, "*ELEMENT, TYPE={name}, ELSET=ALL");
+    let mut last = None;
     for element in 0..mesh.num_elements() {
+        let kind = mesh.kind_of(element);
+        if last.replace(kind) != Some(kind) {
+            let _ = writeln!(text, "*ELEMENT, TYPE={}, ELSET=ALL", kind.abaqus.names.first()?);
+        }
         let numbers = std::iter::once(element + 1).chain(mesh.element(element).iter().map(|node| *node as usize + 1));
         let _ = writeln!(text, "{}", rows(numbers, 12, ",\n"));
     }
@@ -153,7 +162,8 @@ pub(super) fn deck_of_mesh(mesh: &Mesh) -> Option<String> {
     for (set, facets) in &mesh.facet_sets {
         let _ = writeln!(text, "*SURFACE, TYPE=ELEMENT, NAME={set}");
         for facet in facets {
-            let face = types.faces.iter().position(|face| *face == facet.face)? + 1;
+            let faces = mesh.kind_of(facet.element as usize).abaqus.faces;
+            let face = faces.iter().position(|face| *face == facet.face)? + 1;
             let _ = writeln!(text, "{}, S{face}", facet.element + 1);
         }
     }
@@ -170,9 +180,8 @@ type Piece = (i32, Vec<u32>);
 
 /// Gmsh's format 4.1, as text: a piece of the body or its surface for every combination of sets.
 fn gmsh(mesh: &Mesh, scale: f64) -> String {
-    let family = mesh.kind.family();
     // Dimension, Gmsh's type and nodes of every piece, by dimension and names of sets.
-    let mut pieces: BTreeMap<(u8, Vec<&String>), Vec<Piece>> = BTreeMap::new();
+    let mut pieces: BTreeMap<(u8, Vec<&String>, i32), Vec<Piece>> = BTreeMap::new();
     let mut names: BTreeMap<(u8, &String), usize> = BTreeMap::new();
     for (dimension, name) in (mesh.node_sets.keys().map(|name| (0, name)))
         .chain(mesh.facet_sets.keys().map(|name| (2, name)))
@@ -184,31 +193,33 @@ fn gmsh(mesh: &Mesh, scale: f64) -> String {
         sets.iter().filter(|(_, set)| set.contains(thing)).map(|(name, _)| name).collect()
     }
     for node in mesh.node_sets.values().flatten().collect::<BTreeSet<_>>() {
-        pieces.entry((0, holders(&mesh.node_sets, node))).or_default().push((15, vec![*node]));
+        pieces.entry((0, holders(&mesh.node_sets, node), 15)).or_default().push((15, vec![*node]));
     }
     for facet in mesh.facet_sets.values().flatten().collect::<BTreeSet<_>>() {
         let piece = (mesh.face_kind(*facet).gmsh_type.unwrap_or_default(), mesh.facet_nodes(*facet));
-        pieces.entry((2, holders(&mesh.facet_sets, facet))).or_default().push(piece);
+        pieces.entry((2, holders(&mesh.facet_sets, facet), piece.0)).or_default().push(piece);
     }
     for element in 0..mesh.num_elements() {
+        let family = mesh.kind_of(element).family();
         let mut nodes = vec![0; family.nodes.len()];
         family.gmsh.order.iter().zip(mesh.element(element)).for_each(|(&at, &node)| nodes[at] = node);
         let sets = holders(&mesh.element_sets, &(element as u32));
-        pieces.entry((3, sets)).or_default().push((family.gmsh.number.unwrap_or_default(), nodes));
+        let number = family.gmsh.number.unwrap_or_default();
+        pieces.entry((3, sets, number)).or_default().push((number, nodes));
     }
     let mut text = format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());
     for ((dimension, name), number) in &names {
         let _ = writeln!(text, "{dimension} {number} \"{name}\"");
     }
-    let count = |wanted: u8| pieces.keys().filter(|(dimension, _)| *dimension == wanted).count();
+    let count = |wanted: u8| pieces.keys().filter(|(dimension, ..)| *dimension == wanted).count();
     let _ = writeln!(text, "$EndPhysicalNames\n$Entities\n{} 0 {} {}", count(0), count(2), count(3));
-    for (tag, ((dimension, sets), _)) in pieces.iter().enumerate() {
+    for (tag, ((dimension, sets, _), _)) in pieces.iter().enumerate() {
         let physical: Vec<String> = sets.iter().map(|name| names[&(*dimension, *name)].to_string()).collect();
         let extent = if *dimension == 0 { "0 0 0" } else { "0 0 0 1 1 1" };
         let bounding = if *dimension == 0 { "" } else { " 0" };
         let _ = writeln!(text, "{} {extent} {} {}{bounding}", tag + 1, physical.len(), physical.join(" "));
     }
-    let volume = pieces.keys().position(|(dimension, _)| *dimension == 3).map_or(1, |at| at + 1);
+    let volume = pieces.keys().position(|(dimension, ..)| *dimension == 3).map_or(1, |at| at + 1);
     let nodes = mesh.num_nodes();
     let _ = writeln!(text, "$EndEntities\n$Nodes\n1 {nodes} 1 {nodes}\n3 {volume} 0 {nodes}");
     (1..=nodes).for_each(|node| text += &format!("{node}\n"));
@@ -219,7 +230,7 @@ fn gmsh(mesh: &Mesh, scale: f64) -> String {
     let total: usize = pieces.values().map(Vec::len).sum();
     let _ = writeln!(text, "$EndNodes\n$Elements\n{} {total} 1 {total}", pieces.len());
     let mut number = 0;
-    for (tag, ((dimension, _), members)) in pieces.iter().enumerate() {
+    for (tag, ((dimension, ..), members)) in pieces.iter().enumerate() {
         let kind = members.first().map_or(0, |member| member.0);
         let _ = writeln!(text, "{dimension} {} {kind} {}", tag + 1, members.len());
         for (_, nodes) in members {

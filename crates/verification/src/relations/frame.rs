@@ -277,18 +277,20 @@ impl Frame {
 
 /// The same body with the nodes of every element in the order of its mirror image.
 pub fn inside_out(mut mesh: Mesh) -> Mesh {
-    let family = mesh.kind.family();
-    let mirrored = |x: [f64; 3]| match family.body {
-        ReferenceBody::Hexahedron => [-x[0], x[1], x[2]],
-        ReferenceBody::Tetrahedron => [x[1], x[0], x[2]],
-    };
     let close = |a: [f64; 3], b: [f64; 3]| (0..3).all(|d| (a[d] - b[d]).abs() < 1e-12);
-    let order: Vec<usize> = (family.nodes.iter())
-        .filter_map(|&x| family.nodes.iter().position(|&other| close(other, mirrored(x))))
-        .collect();
+    let orders = mesh.per_kind(|family| {
+        let mirrored = |x: [f64; 3]| match family.body {
+            ReferenceBody::Hexahedron => [-x[0], x[1], x[2]],
+            ReferenceBody::Tetrahedron | ReferenceBody::Wedge => [x[1], x[0], x[2]],
+        };
+        let image = |&x: &[f64; 3]| family.nodes.iter().position(|&other| close(other, mirrored(x)));
+        family.nodes.iter().filter_map(image).collect::<Vec<usize>>()
+    });
     let old = mesh.clone();
-    for (new, old) in mesh.connectivity.chunks_mut(order.len()).zip(old.connectivity.chunks(order.len())) {
-        new.iter_mut().zip(&order).for_each(|(slot, &from)| *slot = old[from]);
+    for element in 0..old.num_elements() {
+        let slots = &mut mesh.connectivity[old.kinds.range(element)];
+        let order = &orders[old.kind_of(element)];
+        slots.iter_mut().zip(order).for_each(|(slot, &from)| *slot = old.element(element)[from]);
     }
     let corners = |mesh: &Mesh, facet: Facet| {
         let mut nodes = mesh.facet_nodes(facet);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex::mesh::shape::tabulate;
-use pneuflex::mesh::{Facet, Mesh};
+use pneuflex::mesh::{ElementKind, Facet, Mesh};
 
 use super::frame::inside_out;
 
@@ -22,6 +22,8 @@ pub fn whole(half: &Mesh) -> Mesh {
         }
     }
     let elements = half.num_elements() as u32;
+    whole.kinds =
+        [half, &image].into_iter().flat_map(|mesh| (0..mesh.num_elements()).map(|e| mesh.kind_of(e))).collect();
     whole.connectivity.extend(image.connectivity.iter().map(|&node| place[node as usize]));
     for (name, set) in &image.node_sets {
         let both = whole.node_sets.entry(name.clone()).or_default();
@@ -39,11 +41,12 @@ pub fn whole(half: &Mesh) -> Mesh {
     whole
 }
 
-/// The elements without the nodes in their faces and inside: hexahedra of 20 nodes for those of 27, tetrahedra of 10 for those of 15.
+/// The elements without the nodes in their faces and inside: hexahedra of 20 nodes for those of 27, tetrahedra of 10 for those of 15, wedges
+/// of 15 for those of 21.
 pub fn without_added_nodes(mesh: &Mesh) -> Mesh {
-    let kind = mesh.kind.enriches.unwrap_or(mesh.kind);
-    let elements = mesh.connectivity.chunks(mesh.kind.num_nodes());
-    let connectivity: Vec<u32> = elements.flat_map(|nodes| nodes[..kind.num_nodes()].to_vec()).collect();
+    let poorer = |kind: ElementKind| kind.enriches.first().copied().unwrap_or(kind);
+    let kept = |element: usize| &mesh.element(element)[..poorer(mesh.kind_of(element)).num_nodes()];
+    let connectivity: Vec<u32> = (0..mesh.num_elements()).flat_map(|element| kept(element).to_vec()).collect();
     let mut number = vec![u32::MAX; mesh.num_nodes()];
     connectivity.iter().for_each(|&node| number[node as usize] = 0);
     let kept: Vec<usize> = (0..number.len()).filter(|&node| number[node] == 0).collect();
@@ -51,7 +54,7 @@ pub fn without_added_nodes(mesh: &Mesh) -> Mesh {
     let renumbered =
         |set: &Vec<u32>| set.iter().map(|&node| number[node as usize]).filter(|&new| new != u32::MAX).collect();
     Mesh {
-        kind,
+        kinds: (0..mesh.num_elements()).map(|element| poorer(mesh.kind_of(element))).collect(),
         nodes: kept.iter().map(|&node| mesh.nodes[node]).collect(),
         connectivity: connectivity.iter().map(|&node| number[node as usize]).collect(),
         node_sets: mesh.node_sets.iter().map(|(name, set)| (name.clone(), renumbered(set))).collect(),
@@ -60,12 +63,12 @@ pub fn without_added_nodes(mesh: &Mesh) -> Mesh {
     }
 }
 
-/// Eight hexahedra for every one, on the same surface. Sets of faces and elements are those of the same parts; nodes of sets are those that
+/// Eight hexahedra for every one of a mesh that has no other elements, on the same surface. Sets of faces and elements are those of the same parts; nodes of sets are those that
 /// were there.
 pub fn refined(mesh: &Mesh) -> Mesh {
     /// Places on an element in quarters of its edges: exact, so that neighbours agree on the nodes that they share.
     type Place = [usize; 3];
-    let family = mesh.kind;
+    let family = mesh.kind_of(0);
     let shapes: BTreeMap<Place, Vec<f64>> = (0..125)
         .map(|i| [i % 5, i / 5 % 5, i / 25])
         .map(|place| (place, tabulate(family, place.map(|q| 0.5 * q as f64 - 1.0)).0))
@@ -131,7 +134,6 @@ pub fn refined(mesh: &Mesh) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneuflex::mesh::ElementKind;
     use pneuflex::mesh::lattice::Lattice;
 
     #[test]

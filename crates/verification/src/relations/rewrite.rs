@@ -256,15 +256,15 @@ fn half_as_whole(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     match first.draw {
         Draw::Case(case) => {
             let mut second = Case { obstacles: both_sides(&case.obstacles)?, ..(**case).clone() };
-            // Tetrahedra divide the other half as the first one, not as its mirror image.
-            let is_mirrored = case.mesh.formulation().element.body != ReferenceBody::Tetrahedron;
+            // Tetrahedra and wedges divide the other half as the first one, not as its mirror image.
+            let is_mirrored = case.mesh.formulation().element.body == ReferenceBody::Hexahedron;
             let is_half = std::mem::replace(&mut second.actuator.part, Part::Whole) == Part::Half;
             (is_half && is_mirrored).then(|| first.against(&Draw::Case(Box::new(second)), &rule))?
         }
         Draw::Model(half, None) => {
             let mut second = whole_model(half)?;
             let actuator = second.actuator.as_mut()?;
-            let is_mirrored = half.mesh.formulation().element.body != ReferenceBody::Tetrahedron;
+            let is_mirrored = half.mesh.formulation().element.body == ReferenceBody::Hexahedron;
             let is_half = std::mem::replace(&mut actuator.part, Part::Whole) == Part::Half;
             (is_half && is_mirrored).then(|| first.against(&model(second, None), &rule))?
         }
@@ -635,13 +635,15 @@ fn by_other_fluid(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
 /// 31.2 kPa; 14.5 and 16.1 kPa with eight elements for each, 14.3 and 14.8 kPa with 216). Both are solved with eight for each therefore.
 fn other_element(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     let (old, body) = first.block()?;
-    if !old.obstacles.is_empty() || !old.contacts.is_empty() {
+    if !old.obstacles.is_empty() || !old.contacts.is_empty() || body.mesh.kinds.only().is_none() {
         return None;
     }
     let other = match body.formulation {
         Formulation::Hex8Sri => Formulation::Hex8Q1p0,
         Formulation::Hex27 => Formulation::Hex20,
-        Formulation::Hex8Q1p0 | Formulation::Hex20 | Formulation::Tet10 | Formulation::Tet15 => return None,
+        Formulation::Hex8Q1p0 | Formulation::Hex20 | Formulation::Tet10 | Formulation::Tet15 | Formulation::Wedge21 => {
+            return None;
+        }
     };
     let fine = Body { mesh: meshes::refined(&body.mesh), formulation: body.formulation };
     let mesh = if other == Formulation::Hex20 { meshes::without_added_nodes(&fine.mesh) } else { fine.mesh.clone() };
