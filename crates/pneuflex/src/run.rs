@@ -131,8 +131,8 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Takes the guesses of a path from rest from the load steps of a similar design, where its mesh has the same topology and nothing moves
-    /// but by loads. States are the same to the tolerances; where the two designs differ the run ends ([`Error::has_left_neighbour`]), and is to be
+    /// Takes the guesses of a path from rest from the load steps of a similar design, where its mesh has the same topology, there are no
+    /// obstacles and nothing moves but by loads. States are the same to the tolerances; where the two designs differ the run ends ([`Error::has_left_neighbour`]), and is to be
     /// made again without it. See [`newton::Path::start_from`].
     pub fn start_from(mut self, neighbour: Option<Neighbour>) -> Self {
         self.neighbour = neighbour;
@@ -188,7 +188,9 @@ impl<'a> Run<'a> {
         let mut path = set_up(analysis, &remaining, from, &stop);
         let mut has_started_from = false;
         if let (Ok(path), true) = (&mut path, is_at_rest) {
-            let neighbour = self.neighbour.and_then(|neighbour| neighbour.path_on(&analysis.problem.mesh));
+            // Where a body meets an obstacle its own guesses are the better ones.
+            let neighbour = self.neighbour.filter(|_| analysis.problem.obstacles.is_empty());
+            let neighbour = neighbour.and_then(|neighbour| neighbour.path_on(&analysis.problem.mesh));
             has_started_from = neighbour.is_some_and(|neighbour| path.start_from(neighbour));
             if self.keeps_equilibria {
                 path.keep_equilibria();

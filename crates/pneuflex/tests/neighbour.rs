@@ -68,6 +68,8 @@ fn a_neighbour_that_moves_otherwise_is_left() {
     let stiff = chambers(&[("material.c10", "0.8136"), ("material.c20", "0.09")]);
     let ended = solve(&stiff, Some(neighbour.clone())).unwrap_err();
     assert!(ended.has_left_neighbour(), "{ended}");
-    // Other meshes have no use for it.
+    // Bodies that meet obstacles, and other meshes, have no use for it.
+    let plate = "[{ name = \"plate\", shape = \"plane\", point = [0, 0, -1], normal = [0, 0, 1] }]";
+    assert!(!solve(&chambers(&[("obstacle", plate)]), Some(neighbour.clone())).unwrap().has_started_from);
     assert!(!solve(&chambers(&[("mesh.wall_elements", "2")]), Some(neighbour)).unwrap().has_started_from);
 }
