@@ -157,12 +157,16 @@ impl Mixed for ContactForces {
         }
     }
 
+    fn num_stored(&self) -> usize {
+        self.stored.len()
+    }
+
     fn stored(&self) -> &[f64] {
         &self.stored
     }
 
-    fn restore(&mut self, stresses: &[f64]) {
-        self.stored.copy_from_slice(stresses);
+    fn restore(&mut self, stored: &[f64]) {
+        self.stored.copy_from_slice(stored);
         if let Some((_, at)) = self.stored[self.model.num_points()..].split_first() {
             let at: Vec<[f64; 3]> = at.as_chunks().0.to_vec();
             self.model.cut(&self.mesh.deformed(&at));

@@ -128,13 +128,14 @@ pub trait Mixed {
     /// A tangent is assembled next: what was put off until then is done now.
     fn linearise(&mut self) {}
 
-    /// The stresses, where they cannot be found again from the displacement and the correction alone; what a checkpoint keeps.
-    fn stored(&self) -> &[f64] {
-        &[]
-    }
+    /// Number of values in [`Self::stored`] once a tangent was assembled.
+    fn num_stored(&self) -> usize;
 
-    /// Puts them back. The list has the length of [`Self::stored`].
-    fn restore(&mut self, _stresses: &[f64]) {}
+    /// The stresses of the tangent that is assembled next or was assembled last, and what else it is made from: what a checkpoint keeps.
+    fn stored(&self) -> &[f64];
+
+    /// Puts them back. The list has [`Self::num_stored`] values.
+    fn restore(&mut self, stored: &[f64]);
 }
 
 /// What the stresses of a mixed linearisation follow from.

@@ -1,5 +1,6 @@
 //! `pneuflex sweep`: many designs, each solved once whatever dies.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,8 +10,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pneuflex::InputError;
 use pneuflex_sweep::design::{Job, Task};
 use pneuflex_sweep::job_script;
+use pneuflex_sweep::neighbours::neighbours;
 use pneuflex_sweep::plan::Planned;
-use pneuflex_sweep::sweep_file::Described;
+use pneuflex_sweep::sweep_file::{Described, StartingPoint};
 use pneuflex_sweep::{Folder, Plan, Row, SweepFile, workers};
 
 use crate::args::{Scheduler, SweepArguments, changes};
@@ -60,11 +62,24 @@ pub fn sweep(arguments: &SweepArguments) -> Result<Outcome, CliError> {
             workers::share(left.len(), memory, workers, threads)
         }
     };
+    // A job solves its own designs, and takes nothing from another one that may be slower or faster.
+    let [first, last] = arguments.only.unwrap_or([0, designs.len() - 1]);
+    let start = match described.start {
+        StartingPoint::Rest => vec![None; last + 1 - first],
+        StartingPoint::Neighbours => neighbours(&designs[first..=last]),
+    };
+    let name = |number: usize| folder.plan().designs[number].identity.clone();
+    let mut neighbour_of = BTreeMap::new();
+    for (number, neighbour) in start.into_iter().enumerate() {
+        neighbour_of.entry(name(first + number)).or_insert(neighbour.map(|neighbour| name(first + neighbour)));
+    }
+    let has_followers: BTreeSet<_> = neighbour_of.values().flatten().cloned().collect();
     let mut tasks = Vec::new();
     for number in left {
         folder.forget(number)?;
-        let identity = folder.plan().designs[number].identity.clone();
-        tasks.push(Task { identity, design: designs[number].clone() });
+        let (identity, design) = (name(number), designs[number].clone());
+        let starts_from = neighbour_of.get(&identity).cloned().flatten();
+        tasks.push(Task { is_neighbour: has_followers.contains(&identity), identity, design, starts_from });
     }
     let job = Job { base: described.base.clone(), folder: path, threads, fields: described.fields };
     let program = std::env::current_exe()
@@ -80,10 +95,17 @@ pub fn sweep(arguments: &SweepArguments) -> Result<Outcome, CliError> {
     let failed = if arguments.only.is_some() { 0 } else { rows.iter().filter(|row| row.has_failed()).count() };
     let mut progress = Progress::new(arguments.quiet, count, count - tasks.len().min(count), failed);
     let mut is_left = false;
-    workers::solve_all(&job, tasks, workers, &command, &stop, &mut |row| {
-        is_left |= !row.is_finished();
-        progress.row(row);
-    });
+    // First those that others start from.
+    let (by_themselves, others) = tasks.into_iter().partition(|task| task.starts_from.is_none());
+    for tasks in [by_themselves, others] {
+        if stop.is_stopped() {
+            break;
+        }
+        workers::solve_all(&job, tasks, workers, &command, &stop, &mut |row| {
+            is_left |= !row.is_finished();
+            progress.row(row);
+        });
+    }
     progress.finish();
     if arguments.only.is_none() {
         let outcome = table(&folder, arguments.quiet)?;

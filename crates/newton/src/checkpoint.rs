@@ -125,10 +125,10 @@ impl Checkpoint {
         let fits = field(&self.displacement) && self.multipliers.len() == 3 * num_nodes && is_finite(&self.multipliers);
         let lambda = &self.contact_multipliers;
         let fits = fits && (lambda.is_empty() || lambda.len() == num_contact_points) && is_finite(lambda);
-        let beside = |bordered: &[f64]| bordered.len() == num_bordered && is_finite(bordered);
         let steps = [self.parameter.0, self.approach.step];
         if !fits
-            || !beside(&self.bordered)
+            || self.bordered.len() != num_bordered
+            || !is_finite(&self.bordered)
             || !is_finite(&steps)
             || self.parameter.0 <= 0.0
             || self.approach.step <= 0.0
@@ -138,16 +138,8 @@ impl Checkpoint {
         {
             return Err(Misfit("its state"));
         }
-        let Some(linearisation) = &self.linearisation else { return Ok(()) };
-        let Linearisation { parameter, bordered, displacement, carried, tractions } = linearisation;
-        let fits = field(displacement)
-            && beside(bordered)
-            && field(&carried.displacement)
-            && carried.correction.as_ref().is_none_or(|correction| field(correction))
-            && tractions.len() == num_stored
-            && is_finite(tractions)
-            && parameter.0.is_finite();
-        if fits { Ok(()) } else { Err(Misfit("its tangent")) }
+        let fits = |linearisation: &Linearisation| linearisation.fits(num_nodes, num_bordered, num_stored);
+        if self.linearisation.as_ref().is_none_or(fits) { Ok(()) } else { Err(Misfit("its tangent")) }
     }
 }
 

@@ -51,7 +51,7 @@ pub use event::{Event, Observer};
 pub use failure::{Cause, Failure, Stability};
 pub use history::{Augmentation, Bifurcation, ConvergedState, IterationRecord, Snap};
 pub use holding_springs::springs_of;
-pub use path::{Path, follow_path};
+pub use path::{EquilibriumPath, Path, follow_path};
 pub use rigid_motion::{LoosePart, loose_parts};
 pub use state::{Correction, Equilibrium, State};
 pub use system::System;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pneuflex_assembly::{Contribution, Prediction};
+use pneuflex_assembly::{Contribution, Mixed, Prediction};
 use pneuflex_model::LoadParameter;
 use serde::{Deserialize, Serialize};
 
@@ -19,87 +19,59 @@ pub struct Linearisation {
     pub bordered: Vec<f64>,
     /// Displacements, mm, one entry per node.
     pub displacement: Vec<[f64; 3]>,
-    /// Source of the carried pressures.
-    pub carried: Carried,
-    /// Carried traction of every contact point, MPa, and what else contributions keep ([`pneuflex_assembly::Mixed::stored`]).
-    pub tractions: Vec<f64>,
-}
-
-/// What carried pressures follow from: a displacement, and the correction the linear system found there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Carried {
-    /// Displacements, mm, one entry per node.
-    pub displacement: Vec<[f64; 3]>,
-    /// Correction, mm; `None` if the pressures are those of the displacement itself.
-    pub correction: Option<Vec<[f64; 3]>>,
+    /// Carried pressures of the elements and tractions of the contact points, MPa, and what else contributions keep
+    /// ([`pneuflex_assembly::Mixed::stored`]).
+    pub stored: Vec<f64>,
 }
 
 impl Linearisation {
+    /// The tangent that is assembled next, at a state.
+    pub fn next(contributions: &mut [Box<dyn Contribution>], state: &State) -> Self {
+        let mut stored = Vec::new();
+        for mixed in mixed(contributions) {
+            mixed.linearise();
+            stored.extend_from_slice(mixed.stored());
+        }
+        let State { parameter, displacement, bordered } = state.clone();
+        Self { parameter, bordered, displacement, stored }
+    }
+
     /// Its state.
     pub fn state(&self) -> State {
         State::new(self.parameter, self.displacement.clone(), self.bordered.clone())
     }
-}
 
-/// The stresses that the next tangent carries.
-pub struct MixedLinearisation {
-    prediction: Arc<Prediction>,
-}
-
-impl MixedLinearisation {
-    /// Nothing is carried yet: the stresses at rest, which are zero.
-    pub fn at_rest(num_nodes: usize) -> Self {
-        let displacement = vec![[0.0; 3]; num_nodes];
-        Self { prediction: Arc::new(Prediction { displacement, correction: None, ..Prediction::default() }) }
+    /// Whether it is one of a problem with so many nodes, unknowns beside the displacements, and values that contributions keep.
+    pub fn fits(&self, num_nodes: usize, num_bordered: usize, num_stored: usize) -> bool {
+        let Self { parameter, bordered, displacement, stored } = self;
+        let is_finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
+        [displacement.len(), bordered.len(), stored.len()] == [num_nodes, num_bordered, num_stored]
+            && parameter.0.is_finite()
+            && [displacement.as_flattened(), bordered, stored].into_iter().all(is_finite)
     }
 
-    /// Lets the contributions take the stresses that the linear system, assembled at `displacement`, makes of theirs under a correction; or
-    /// without one those of that displacement itself. `motion` are the positions that obstacles move between meanwhile.
-    pub fn predict(
-        &mut self,
-        contributions: &mut [Box<dyn Contribution>],
-        displacement: &[[f64; 3]],
-        correction: Option<&[[f64; 3]]>,
-        motion: Option<[LoadParameter; 2]>,
-    ) {
-        let (displacement, correction) = (displacement.to_vec(), correction.map(<[_]>::to_vec));
-        self.take(contributions, Prediction { displacement, correction, motion });
-    }
-
-    fn take(&mut self, contributions: &mut [Box<dyn Contribution>], prediction: Prediction) {
-        self.prediction = Arc::new(prediction);
-        for mixed in contributions.iter_mut().filter_map(|contribution| contribution.mixed()) {
-            mixed.predict(&self.prediction);
-        }
-    }
-
-    /// A tangent is assembled at a state: what it is made from.
-    pub fn linearise(&self, contributions: &mut [Box<dyn Contribution>], state: &State) -> Linearisation {
-        let mut tractions = Vec::new();
-        for mixed in contributions.iter_mut().filter_map(|contribution| contribution.mixed()) {
-            mixed.linearise();
-            tractions.extend_from_slice(mixed.stored());
-        }
-        let State { parameter, displacement, bordered } = state.clone();
-        let Prediction { displacement: at, correction, .. } = (*self.prediction).clone();
-        let carried = Carried { displacement: at, correction };
-        Linearisation { parameter, bordered, displacement, carried, tractions }
-    }
-
-    /// Puts the stresses of an earlier linearisation back. Its lists must have this problem's lengths.
-    pub fn restore(&mut self, contributions: &mut [Box<dyn Contribution>], linearisation: &Linearisation) {
-        let Carried { displacement, correction } = linearisation.carried.clone();
-        // Contact cannot predict at a position that it has not taken; it gets what was stored.
-        self.prediction = Arc::new(Prediction { displacement, correction, ..Prediction::default() });
-        let mut stored = &linearisation.tractions[..];
-        for mixed in contributions.iter_mut().filter_map(|contribution| contribution.mixed()) {
-            let (own, rest) = stored.split_at(mixed.stored().len());
-            if own.is_empty() {
-                mixed.predict(&self.prediction);
-            } else {
-                mixed.restore(own);
-            }
+    /// Lets the next tangent carry its stresses. It must fit.
+    pub fn restore(&self, contributions: &mut [Box<dyn Contribution>]) {
+        let mut stored = &self.stored[..];
+        for mixed in mixed(contributions) {
+            let (own, rest) = stored.split_at(mixed.num_stored());
+            mixed.restore(own);
             stored = rest;
         }
     }
+}
+
+/// Lets the contributions take the stresses that the linear system predicts for the next tangent.
+pub fn predict(contributions: &mut [Box<dyn Contribution>], prediction: Prediction) {
+    let prediction = Arc::new(prediction);
+    mixed(contributions).for_each(|mixed| mixed.predict(&prediction));
+}
+
+/// Number of values that the contributions keep of a tangent.
+pub fn num_stored(contributions: &mut [Box<dyn Contribution>]) -> usize {
+    mixed(contributions).map(|mixed| mixed.num_stored()).sum()
+}
+
+fn mixed(contributions: &mut [Box<dyn Contribution>]) -> impl Iterator<Item = &mut dyn Mixed> {
+    contributions.iter_mut().filter_map(|contribution| contribution.mixed())
 }

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use pneuflex_assembly::{Tractions, Unilateral};
 
+use crate::linearisation;
 use crate::state::State;
 use crate::system::{System, unilateral};
 
@@ -33,8 +34,7 @@ impl System {
 
     /// Length of what the contributions keep of a tangent.
     pub fn num_stored(&mut self) -> usize {
-        let mixed = self.contributions.iter_mut().filter_map(|contribution| contribution.mixed());
-        mixed.map(|mixed| mixed.stored().len()).sum()
+        linearisation::num_stored(&mut self.contributions)
     }
 
     /// Traction that every contact point carries without penetration, MPa; empty for none.

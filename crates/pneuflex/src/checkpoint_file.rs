@@ -50,18 +50,18 @@ pub fn store(folder: &OutputFolder, recorded: &Recorded, path: &Checkpoint) -> R
 }
 
 /// Bytes behind their checksum.
-fn sealed(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn sealed(bytes: &[u8]) -> Vec<u8> {
     [&MAGIC[..], &checksum(bytes).to_le_bytes(), bytes].concat()
 }
 
 /// The bytes behind the checksum, unless one of them or of the checksum is not what was written.
-fn unsealed(bytes: &[u8]) -> Option<&[u8]> {
+pub(crate) fn unsealed(bytes: &[u8]) -> Option<&[u8]> {
     let (found, bytes) = bytes.strip_prefix(MAGIC)?.split_first_chunk()?;
     (u64::from_le_bytes(*found) == checksum(bytes)).then_some(bytes)
 }
 
 /// The hash FNV-1a of 64 bits. Every step is a bijection of the hash, so that no single byte can change unnoticed.
-fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }

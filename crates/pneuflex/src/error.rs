@@ -49,7 +49,19 @@ pub struct Unfinished {
     pub reached: Solution,
 }
 
+impl Error {
+    /// Whether a run with a neighbour's guesses ([`crate::Run::start_from`]) ended where the two designs differ.
+    pub fn has_left_neighbour(&self) -> bool {
+        matches!(self, Self::NotConverged(ended) if ended.has_left_neighbour())
+    }
+}
+
 impl Unfinished {
+    /// As [`Error::has_left_neighbour`].
+    pub fn has_left_neighbour(&self) -> bool {
+        self.reached.has_started_from && self.failure.cause == Cause::OtherBranch
+    }
+
     /// As an error of its kind.
     pub(crate) fn into_error(self) -> Error {
         match self.failure.cause {

@@ -107,7 +107,7 @@
 //! | module | what is there |
 //! |---|---|
 //! | [`study`], [`body`], [`analysis`] | what is to be solved: from files, from memory, built |
-//! | [`run`], [`start`], [`observer`] | following the path, from rest or from an earlier run |
+//! | [`run`], [`start`], [`neighbour`], [`observer`] | following the path, from rest or from an earlier run, by itself or with guesses from a similar design |
 //! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`advice`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
@@ -139,6 +139,7 @@ pub mod input_error;
 pub mod json;
 mod late_recording;
 pub mod memory;
+pub mod neighbour;
 pub mod observer;
 mod on_the_way;
 pub mod overview;
@@ -173,6 +174,7 @@ pub use error::{Error, ResultsError, Unfinished};
 pub use folder::OutputFolder;
 pub use input_error::{InputError, InputErrorKind};
 pub use memory::{Estimate, MemoryLimit};
+pub use neighbour::Neighbour;
 pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
 pub use run::Run;

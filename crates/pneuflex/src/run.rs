@@ -14,6 +14,7 @@ use crate::analysis::Analysis;
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
 use crate::folder::OutputFolder;
+use crate::neighbour::Neighbour;
 use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
 use crate::on_threads;
 use crate::reason::explain;
@@ -37,6 +38,8 @@ pub struct Run<'a> {
     start: Start,
     recording: Option<Recording>,
     keeps_fields: bool,
+    neighbour: Option<Neighbour>,
+    keeps_equilibria: bool,
 }
 
 impl Analysis {
@@ -64,6 +67,8 @@ impl<'a> Run<'a> {
             start: Start::AtRest,
             recording: None,
             keeps_fields: true,
+            neighbour: None,
+            keeps_equilibria: false,
         }
     }
 
@@ -126,6 +131,20 @@ impl<'a> Run<'a> {
         self
     }
 
+    /// Takes the guesses of a path from rest from the load steps of a similar design, where its mesh has the same topology, there are no
+    /// obstacles and nothing moves but by loads. States are the same to the tolerances; where the two designs differ the run ends ([`Error::has_left_neighbour`]), and is to be
+    /// made again without it. See [`newton::Path::start_from`].
+    pub fn start_from(mut self, neighbour: Option<Neighbour>) -> Self {
+        self.neighbour = neighbour;
+        self
+    }
+
+    /// Keeps [`Solution::neighbour`] for similar designs, if it `is_wanted`.
+    pub fn keep_equilibria(mut self, is_wanted: bool) -> Self {
+        self.keeps_equilibria = is_wanted;
+        self
+    }
+
     /// Follows the equilibria from rest, or from where it was said, through the analysis's times.
     ///
     /// # Errors
@@ -165,7 +184,18 @@ impl<'a> Run<'a> {
         };
         let spent = from.as_ref().map_or([0, 0], |from| [from.approach.iterations_before, from.approach.load_steps]);
         let stop = Arc::new(AtomicBool::new(false));
-        let path = set_up(analysis, &remaining, from, &stop);
+        let is_at_rest = from.is_none();
+        let mut path = set_up(analysis, &remaining, from, &stop);
+        let mut has_started_from = false;
+        if let (Ok(path), true) = (&mut path, is_at_rest) {
+            // Where a body meets an obstacle its own guesses are the better ones.
+            let neighbour = self.neighbour.filter(|_| analysis.problem.obstacles.is_empty());
+            let neighbour = neighbour.and_then(|neighbour| neighbour.path_on(&analysis.problem.mesh));
+            has_started_from = neighbour.is_some_and(|neighbour| path.start_from(neighbour));
+            if self.keeps_equilibria {
+                path.keep_equilibria();
+            }
+        }
         // Only now: a run that cannot begin leaves the results of an earlier one as they are.
         if let (Some((folder, is_fresh)), Ok(_)) = (folder, &path) {
             if is_fresh {
@@ -180,7 +210,7 @@ impl<'a> Run<'a> {
             observers: self.observers,
             spent,
             last_equilibrium,
-            found: Solution { states, ..Solution::default() },
+            found: Solution { states, has_started_from, ..Solution::default() },
             keeps_fields: self.keeps_fields,
             error: None,
             token: self.stop,
@@ -276,6 +306,8 @@ impl Audience<'_> {
             }
             return Err(Box::new((failure, path.report())));
         }
+        let kept = path.take_equilibria();
+        self.found.neighbour = kept.map(|kept| Neighbour::new(&self.analysis.problem.mesh, kept));
         Ok(path.report())
     }
 

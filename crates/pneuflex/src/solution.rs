@@ -6,6 +6,7 @@ use pneuflex_post::summary::StepSummary;
 use serde::{Serialize, Serializer};
 
 use crate::diagnosis::Warning;
+use crate::neighbour::Neighbour;
 
 /// What was found.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,10 @@ pub struct Solution {
     pub iterations: usize,
     /// Seconds spent.
     pub timing: Timing,
+    /// Whether guesses were taken from the path of a similar design, see [`crate::Run::start_from`].
+    pub has_started_from: bool,
+    /// Its equilibria for similar designs, after [`crate::Run::keep_equilibria`]; none of a path that has left a branch, snapped, or may have snapped.
+    pub neighbour: Option<Neighbour>,
 }
 
 /// How a run stands.

@@ -38,7 +38,9 @@ mod _native {
     #[pymodule_export]
     use crate::study::{Analysis, Study, available_memory, template};
     #[pymodule_export]
-    use crate::sweep::{content_of, identity_of, identity_of_bad_input, is_count, numbers, table_of};
+    use crate::sweep::{
+        content_of, forget_neighbours, identity_of, identity_of_bad_input, is_count, neighbours_of, numbers, table_of,
+    };
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 }

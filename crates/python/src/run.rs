@@ -10,9 +10,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use pneuflex::newton::{self, Failure, PathReport};
+use pneuflex::newton::{self, Cause, Failure, PathReport};
 use pneuflex::reason::Reason;
-use pneuflex::{End, Error, Event, Observer, ResultsError, Solution, StopToken, Unfinished, on_threads};
+use pneuflex::{End, Error, Event, Neighbour, Observer, ResultsError, Solution, StopToken, Unfinished, on_threads};
+use pneuflex_sweep::neighbours;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -115,6 +116,8 @@ struct Request {
     resumes: bool,
     start: pneuflex::Start,
     keeps_fields: bool,
+    neighbour: Option<Neighbour>,
+    keeps_equilibria: bool,
     stop: StopToken,
 }
 
@@ -122,6 +125,7 @@ impl Request {
     fn solve(self, ear: Ear) -> Result<Outcome, Error> {
         let heard = Arc::clone(&ear.heard);
         let run = self.analysis.run().without_fields().stop(&self.stop).observe_with(ear);
+        let run = run.start_from(self.neighbour).keep_equilibria(self.keeps_equilibria);
         let run = match &self.out {
             Some(out) if self.resumes => run.resume(out),
             Some(out) => run.record(out),
@@ -158,7 +162,8 @@ fn unfinished(status: &'static str, ended: Unfinished) -> Ended {
 }
 
 /// Follows the path of an analysis. `on_state` and `on_iteration` are called on this thread; what they raise stops the run and is raised
-/// here. `out` is a folder to record in, `resumes` goes on with what that holds, `start` without a folder with a run in memory.
+/// here. `out` is a folder to record in, `resumes` goes on with what that holds, `start` without a folder with a run in memory. `neighbour` is
+/// the folder of a sweep and the name of the design in it that this one starts from; `keeps_equilibria` for those that start from this one.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]
 pub fn solve(
@@ -169,6 +174,8 @@ pub fn solve(
     resumes: bool,
     start: Option<&Start>,
     keeps_fields: bool,
+    neighbour: Option<(PathBuf, String)>,
+    keeps_equilibria: bool,
     on_state: Option<Bound<'_, PyAny>>,
     on_iteration: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Outcome> {
@@ -182,6 +189,8 @@ pub fn solve(
         resumes,
         start: start.map(|start| start.start.clone()).unwrap_or_default(),
         keeps_fields,
+        neighbour: neighbour.and_then(|(folder, identity)| neighbours::read(&folder, &identity)),
+        keeps_equilibria,
         stop: stop.clone(),
     };
     let ear = Ear {
@@ -273,6 +282,26 @@ impl Outcome {
     #[getter]
     fn warnings(&self, py: Python<'_>) -> PyResult<String> {
         written(py, &self.found.warnings)
+    }
+
+    /// Whether guesses were taken from a neighbour's path.
+    #[getter]
+    fn has_started_from(&self) -> bool {
+        self.found.has_started_from
+    }
+
+    /// Whether it ended where it differs from the neighbour.
+    #[getter]
+    fn has_left_neighbour(&self) -> bool {
+        self.found.has_started_from
+            && self.failure.as_ref().is_some_and(|(failure, _)| failure.cause == Cause::OtherBranch)
+    }
+
+    /// Leaves its equilibria, if they were kept, in the folder of a sweep under the name of the design.
+    fn leave_equilibria(&self, py: Python<'_>, folder: PathBuf, identity: &str) {
+        if let Some(found) = &self.found.neighbour {
+            py.detach(|| neighbours::keep(&folder, identity, found));
+        }
     }
 
     /// Newton iterations, rejected attempts included.

@@ -6,7 +6,7 @@ use pneuflex::post::summary::StepSummary;
 use pneuflex::{Error, ResultsError};
 use pneuflex_sweep::folder::plan_of;
 use pneuflex_sweep::numbers::Tip;
-use pneuflex_sweep::{Row, identity, space, table};
+use pneuflex_sweep::{Row, identity, neighbours, space, table};
 use pyo3::prelude::*;
 
 use crate::error::apart;
@@ -46,6 +46,18 @@ pub fn numbers(py: Python<'_>, summary: &str, length: Option<f64>, tip_at: Optio
         let numbers = pneuflex_sweep::numbers::numbers(&state, &Tip { length, probe_at: tip_at });
         serde_json::to_string(&numbers).map_err(wrong)
     })
+}
+
+/// For every design the number of the one that it starts from.
+#[pyfunction]
+pub fn neighbours_of(designs: Vec<Vec<(String, String)>>) -> Vec<Option<usize>> {
+    neighbours::neighbours(&designs)
+}
+
+/// Removes what the designs of a sweep have left for each other.
+#[pyfunction]
+pub fn forget_neighbours(py: Python<'_>, folder: PathBuf) {
+    py.detach(|| neighbours::forget(&folder));
 }
 
 /// The table of a sweep's folder as CSV.

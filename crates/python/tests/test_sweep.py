@@ -244,7 +244,7 @@ def test_what_a_worker_does_not_foresee_is_a_row(tmp_path: Path, monkeypatch: py
     def broken(*_: Any, **__: Any) -> None:
         raise LookupError("unforeseen")
 
-    monkeypatch.setattr(Case, "solve", broken)
+    monkeypatch.setattr(Case, "_solve_in_sweep", broken)
     with ThreadPoolExecutor(1) as pool:
         found = pneuflex.sweep(small_case(), {"actuator.gap": [1.0]}, pool, out=tmp_path, progress=False)
     assert [found[0][key] for key in ("status", "reason", "message")] == ["error", "LookupError", "unforeseen"]
@@ -439,6 +439,49 @@ def test_the_program_and_the_package_go_on_with_each_others_sweeps(
     # Another case is refused by both.
     with pytest.raises(InputError, match=r"another case \(actuator differ\)"):
         pneuflex.sweep(case.copy().set({"actuator.width": 19}), designs, out="program", progress=False)
+
+
+def test_designs_start_from_neighbours_as_the_program_s_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, program: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    subprocess.run([program, "new", "two-chamber", "finger.toml"], check=True, capture_output=True)
+    case = pneuflex.Case.load("finger.toml").set({"mesh": {"size": 3, "element": "hex8-q1p0"}, "load.pressure_kpa": [10, 40]})
+    gaps = [1.0, 1.02, 0.97, 1.3, 1.32]
+    rest = pneuflex.sweep(case, {"actuator.gap": gaps}, out="rest", threads=1, progress=False)
+    options: dict[str, Any] = {"threads": 1, "progress": False, "start": "neighbours"}
+    near = pneuflex.sweep(case, {"actuator.gap": gaps}, out="near", workers=2, **options)
+    assert [row["started_from"] for row in near.table()][::2] == [None, 0, 0, None, 3] and not Path("near/neighbours").exists()
+    assert "started_from" not in rest.table()[0]
+    angles = [[[state["end_face_angle_deg"] for state in row["states"]] for row in found] for found in (near, rest)]
+    np.testing.assert_allclose(angles[0], angles[1], rtol=1e-8)
+    count = [sum(state["iterations"] for row in found for state in row["states"]) for found in (near, rest)]
+    assert count[0] < count[1]
+    # The same from another executor, and from the program.
+    with ThreadPoolExecutor(2) as pool:
+        other = pneuflex.sweep(case, {"actuator.gap": gaps}, pool, out="other", **options)
+    assert [row["states"] for row in other] == [row["states"] for row in near]
+    text = 'case = "finger.toml"\nstart = "neighbours"\n[set]\nmesh = { size = 3, element = "hex8-q1p0" }\nload.pressure_kpa = [10, 40]\n'
+    Path("gaps.toml").write_text(f"{text}[space]\nactuator.gap = {gaps}\n")
+    subprocess.run([program, "sweep", "gaps.toml", "--out", "program", "--threads", "1"], check=True, capture_output=True)
+    tables = [list(csv.DictReader(Path(folder, "table.csv").open())) for folder in ("near", "program")]
+    times = ("seconds", "cpu_seconds")
+    plain = [[{key: cell for key, cell in row.items() if key not in times} for row in table] for table in tables]
+    assert plain[0] == plain[1]
+    # A sweep that was killed before its last design, whose neighbour is there, damaged, or not there any more.
+    def killed_before(design: int) -> Sweep:
+        Path("near/rows", f"{near[design]['identity']}.json").unlink()
+        return pneuflex.sweep(case, {"actuator.gap": gaps}, out="near", **options)
+
+    again = killed_before(1)
+    assert again[1].get("started_from") is None
+    for file in (b"", b"pneuflex and more"):
+        Path("near/neighbours").mkdir()
+        Path("near/neighbours", f"{near[0]['identity']}.bin").write_bytes(file)
+        assert killed_before(1)[1]["states"] == again[1]["states"]
+    with pytest.raises(InputError, match="start = 'near' must be"):
+        pneuflex.sweep(case, {"actuator.gap": gaps}, out="x", start="near")  # type: ignore[arg-type]
 
 
 def test_a_table_of_before_does_not_stay_beside_the_new_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

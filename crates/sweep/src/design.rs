@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pneuflex::report_page::write_report;
-use pneuflex::{Error, OutputFolder, Solution, Start, Study};
+use pneuflex::{Analysis, Error, Neighbour, OutputFolder, Solution, Start, Study};
 use serde::{Deserialize, Serialize};
 
 use crate::base::{Base, Design};
 use crate::identity;
+use crate::neighbours;
 use crate::numbers::{Tip, numbers};
 use crate::row::Row;
 
@@ -33,6 +34,10 @@ pub struct Task {
     pub identity: String,
     /// Its values by keys.
     pub design: Design,
+    /// Name of the design that it starts from.
+    pub starts_from: Option<String>,
+    /// Whether others start from it.
+    pub is_neighbour: bool,
 }
 
 /// The folder of a design's own results.
@@ -72,7 +77,7 @@ fn solved(job: &Job, task: &Task) -> Row {
     let mut row = Row::new(&task.identity, "error");
     let study = match job.base.study(&task.design) {
         Ok(study) => study,
-        Err(error) => return failed(row, error, &Tip::default()),
+        Err(error) => return failed(row, task, error, &Tip::default()),
     };
     match identity::of_study(&study, &identity::content(&study), job.fields) {
         Ok(identity) if identity == task.identity => {}
@@ -81,22 +86,34 @@ fn solved(job: &Job, task: &Task) -> Row {
             row.message = format!("{} or what it reads has changed since the sweep began", job.base.path.display());
             return row;
         }
-        Err(error) => return failed(row, error, &Tip::default()),
+        Err(error) => return failed(row, task, error, &Tip::default()),
     }
     let tip = Tip::of(&study);
     match followed(job, task, &study) {
         Ok(solution) => {
             row.status = solution.status.name().into();
-            found(&mut row, &solution, &tip);
+            found(&mut row, task, &solution, &tip);
             row
         }
-        Err(error) => failed(row, error, &tip),
+        Err(error) => failed(row, task, error, &tip),
     }
 }
 
 fn followed(job: &Job, task: &Task, study: &Study) -> Result<Solution, Error> {
     let analysis = study.build()?;
-    let run = analysis.run().without_fields();
+    let neighbour = task.starts_from.as_ref().and_then(|other| neighbours::read(&job.folder, other));
+    let mut ended = solved_from(job, task, &analysis, neighbour);
+    if ended.as_ref().is_err_and(Error::has_left_neighbour) {
+        ended = solved_from(job, task, &analysis, None);
+    }
+    if let Ok(Solution { neighbour: Some(found), .. }) = &ended {
+        neighbours::keep(&job.folder, &task.identity, found);
+    }
+    ended
+}
+
+fn solved_from(job: &Job, task: &Task, analysis: &Analysis, neighbour: Option<Neighbour>) -> Result<Solution, Error> {
+    let run = analysis.run().without_fields().start_from(neighbour).keep_equilibria(task.is_neighbour);
     if !job.fields {
         return run.solve();
     }
@@ -110,14 +127,15 @@ fn followed(job: &Job, task: &Task, study: &Study) -> Result<Solution, Error> {
 }
 
 /// What was found.
-fn found(row: &mut Row, solution: &Solution, tip: &Tip) {
+fn found(row: &mut Row, task: &Task, solution: &Solution, tip: &Tip) {
+    row.started_from = task.starts_from.clone().filter(|_| solution.has_started_from);
     row.states = solution.states.iter().map(|state| numbers(state, tip)).collect();
     let name = |kind| serde_json::to_value(kind).ok().and_then(|kind| kind.as_str().map(str::to_owned));
     row.warnings = solution.warnings.iter().filter_map(|warning| name(warning.kind)).collect();
 }
 
 /// The row of a design that did not come to its end.
-fn failed(mut row: Row, error: Error, tip: &Tip) -> Row {
+fn failed(mut row: Row, task: &Task, error: Error, tip: &Tip) -> Row {
     row.message = error.to_string();
     match error {
         Error::Input(errors) => {
@@ -133,7 +151,7 @@ fn failed(mut row: Row, error: Error, tip: &Tip) -> Row {
             let kind = reason.and_then(|reason| serde_json::to_value(reason.kind).ok());
             row.reason = Some(kind.and_then(|kind| kind.as_str().map(str::to_owned)).unwrap_or(row.status.clone()));
             row.advice = reason.map(|reason| reason.advice.clone()).unwrap_or_default();
-            found(&mut row, &ended.reached, tip);
+            found(&mut row, task, &ended.reached, tip);
         }
         Error::Results(_) => row.reason = Some("results".into()),
         Error::Threads { .. } => row.reason = Some("machine".into()),

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use pneuflex::{InputError, InputErrorKind, ResultsError};
 
 use crate::identity::VERSION;
+use crate::neighbours;
 use crate::plan::Plan;
 use crate::row::{Row, replace, row_file};
 use crate::table;
@@ -110,6 +111,9 @@ impl Folder {
         replace(&file, text.as_bytes()).map_err(not_writable)?;
         // One of before would be taken for this one.
         let _ = fs::remove_file(self.path.join(TABLES[1]));
+        if self.left().is_empty() {
+            neighbours::forget(&self.path);
+        }
         Ok(file)
     }
 

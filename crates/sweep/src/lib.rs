@@ -5,6 +5,7 @@
 //! * `sweep.json`: the designs, and what they have in common ([`plan`]);
 //! * `rows/IDENTITY.json`: what became of a design, one file for each that is finished ([`row`]);
 //! * `designs/IDENTITY/`: its result folder, if fields are kept;
+//! * `neighbours/IDENTITY.bin`: the equilibria of a design that others start from, until all are finished;
 //! * `table.csv`: a row for every state of every design, made from the others ([`table`]).
 //!
 //! A design's identity ([`identity`]) is what its results are a function of, so that whoever goes on with a folder, this program or the Python
@@ -15,6 +16,7 @@
 //! | [`sweep_file`], [`space`] | which designs: the file that says so, grids, lists, samples |
 //! | [`base`], [`identity`], [`plan`] | a design as something to be solved, its name, all of them |
 //! | [`design`], [`numbers`], [`row`] | solving one, the numbers of its states, what became of it |
+//! | [`neighbours`] | which designs start from similar ones |
 //! | [`folder`], [`table`] | the folder of a sweep and its table |
 //! | [`workers`] | processes that solve designs |
 //! | [`job_script`] | scripts for clusters |
@@ -24,6 +26,7 @@ pub mod design;
 pub mod folder;
 pub mod identity;
 pub mod job_script;
+pub mod neighbours;
 pub mod numbers;
 mod pairs;
 pub mod plan;

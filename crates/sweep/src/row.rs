@@ -40,6 +40,9 @@ pub struct Row {
     /// Threads of the solver.
     #[serde(default)]
     pub threads: Option<usize>,
+    /// Name of the design that it took its guesses from, if it did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub started_from: Option<String>,
 }
 
 impl Row {

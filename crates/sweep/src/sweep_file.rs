@@ -26,6 +26,9 @@ pub struct SweepFile {
     /// Whether every design's fields and report are kept.
     #[serde(default)]
     fields: bool,
+    /// Where the guesses of their load steps come from.
+    #[serde(default)]
+    start: StartingPoint,
     /// How designs are taken from the space.
     #[serde(default)]
     sample: Sample,
@@ -46,6 +49,17 @@ pub struct SweepFile {
     design: Vec<Node>,
 }
 
+/// Where the guesses of a design's load steps come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartingPoint {
+    /// Its own path from rest.
+    #[default]
+    Rest,
+    /// The path of a similar design, where there is one.
+    Neighbours,
+}
+
 /// A sweep as its file describes it.
 #[derive(Clone, Debug)]
 pub struct Described {
@@ -55,6 +69,8 @@ pub struct Described {
     pub designs: Vec<Design>,
     /// Whether their fields are kept.
     pub fields: bool,
+    /// Where the guesses of their load steps come from.
+    pub start: StartingPoint,
     file: Written<SweepFile>,
     /// How many designs are those of the space.
     of_space: usize,
@@ -74,7 +90,7 @@ impl SweepFile {
         let mut common: Design = sweep.set.values().into_iter().map(in_toml).collect();
         common.extend(changes.iter().map(|change| (change.key.clone(), change.value.clone())));
         let base = Base { path: path.parent().unwrap_or(Path::new("")).join(&sweep.case), changes: common };
-        Ok(Described { base, designs, fields: sweep.fields, of_space, file })
+        Ok(Described { base, designs, fields: sweep.fields, start: sweep.start, of_space, file })
     }
 
     fn of_space(&self) -> Vec<Design> {

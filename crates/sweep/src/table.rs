@@ -13,6 +13,8 @@ const LAST: [&str; 5] = ["reason", "message", "seconds", "cpu_seconds", "threads
 /// # Errors
 /// What the writer says.
 pub fn csv(plan: &Plan, rows: &[Row]) -> Result<String, String> {
+    let has_neighbours = rows.iter().any(|row| row.started_from.is_some());
+    let number_of = |identity: &String| plan.designs.iter().position(|entry| entry.identity == *identity);
     let rows: Vec<Vec<(&str, String)>> = plan
         .designs
         .iter()
@@ -22,6 +24,8 @@ pub fn csv(plan: &Plan, rows: &[Row]) -> Result<String, String> {
             let inputs = entry.inputs.0.iter().map(|(name, value)| (name.as_str(), text(value)));
             let head =
                 [("design", number.to_string())].into_iter().chain(inputs).chain([("status", row.status.clone())]);
+            let neighbour = row.started_from.as_ref().and_then(number_of).map_or_else(String::new, |n| n.to_string());
+            let head = head.chain(has_neighbours.then_some(("started_from", neighbour)));
             let number = |value: Option<f64>| value.map_or_else(String::new, |value| text(&value.into()));
             let threads = row.threads.map_or_else(String::new, |threads| threads.to_string());
             let tail = [row.reason.clone().unwrap_or_default(), row.message.clone()];

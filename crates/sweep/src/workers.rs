@@ -231,7 +231,12 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("pneuflex-sweep-{name}-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("rows")).unwrap();
         let base = Base { path: "case.toml".into(), changes: Design::new() };
-        let tasks = ["a", "b"].map(|name| Task { identity: name.into(), design: Design::new() });
+        let tasks = ["a", "b"].map(|name| Task {
+            identity: name.into(),
+            design: Design::new(),
+            starts_from: None,
+            is_neighbour: false,
+        });
         (Job { base, folder, threads: 1, fields: false }, tasks.into())
     }
 

@@ -190,6 +190,19 @@ impl Mixed for Solid {
             self.carried = self.element_pressures(&prediction.displacement, prediction.correction.as_deref());
         }
     }
+
+    fn num_stored(&self) -> usize {
+        self.reference.num_modes * self.mesh.num_elements()
+    }
+
+    fn stored(&self) -> &[f64] {
+        &self.carried
+    }
+
+    fn restore(&mut self, stored: &[f64]) {
+        self.prediction = None;
+        self.carried = stored.to_vec();
+    }
 }
 
 impl LocalContribution for Solid {

@@ -98,6 +98,135 @@ fn every_design_has_its_rows_and_is_solved_once() {
     assert!(foreign.code == 2 && foreign.err.contains("nothing was touched"), "{foreign:?}");
 }
 
+/// Twenty designs, most of them near to another one, at a pressure at which chambers touch.
+const NEAR: &str = r#"case = "cases/finger.toml"
+start = "neighbours"
+
+[set]
+mesh = { size = 3, element = "hex8-q1p0" }
+load.pressure_kpa = [10, 40]
+
+[space]
+actuator.gap = [1.0, 1.03, 0.96, 1.05, 1.3]
+actuator.side_wall = [1.0, 1.02, 1.04, 0.98]
+"#;
+
+/// Two that do not come to the second pressure.
+const SOFT: &str = r#"
+[[design]]
+actuator.gap = 1.0
+actuator.side_wall = 1.0
+material = "ecoflex-00-30"
+
+[[design]]
+actuator.gap = 1.0
+actuator.side_wall = 1.02
+material = "ecoflex-00-30"
+"#;
+
+/// Whether two tables have the same rows but for the way to them: to the last bit where no neighbour is started from, otherwise angles to 1e-8
+/// and all other numbers to 1e-6.
+fn check_same_states(near: &[Vec<(String, String)>], rest: &[Vec<(String, String)>]) {
+    assert_eq!(near.len(), rest.len());
+    let is_of_way = |name: &str| matches!(name, "iterations" | "load_steps" | "started_from");
+    for (near, rest) in near.iter().zip(rest) {
+        if near.iter().all(|(name, other)| name != "started_from" || other.is_empty()) {
+            assert!(rest.iter().all(|(name, b)| name == "started_from" || cell(near, name) == b), "{near:?} {rest:?}");
+        }
+        for (name, b) in rest.iter().filter(|(name, _)| !is_of_way(name)) {
+            let a = cell(near, name);
+            let tolerance = if name.ends_with("angle_deg") { 1e-8 } else { 1e-6 };
+            let is_close = match (a.parse::<f64>(), b.parse::<f64>()) {
+                (Ok(a), Ok(b)) => (a - b).abs() <= tolerance * b.abs().max(1e-3),
+                _ => a == b,
+            };
+            assert!(is_close, "{name}: {a} {b}");
+        }
+    }
+}
+
+fn started_from(scratch: &Scratch, folder: &str) -> Vec<String> {
+    let mut found: Vec<_> = table(scratch, folder)
+        .iter()
+        .map(|row| [cell(row, "design"), cell(row, "started_from")].map(str::to_owned))
+        .collect();
+    found.dedup();
+    found.into_iter().map(|[_, other]| other).collect()
+}
+
+#[test]
+fn designs_that_start_from_neighbours_have_the_same_table() {
+    let scratch = with_sweep("sweep-neighbours", &format!("{NEAR}{SOFT}"));
+    let sweep = |out: &str, more: &[&str]| {
+        let ended = scratch.run(&[&["sweep", "gaps.toml", "--threads", "1", "--quiet", "--out", out], more].concat());
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let found = table(&scratch, out);
+        // From what has ended early no other one starts. Its message has commas.
+        let (ended_early, found): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|row| !cell(row, "material").is_empty());
+        assert!(ended_early.len() >= 2 && ended_early.iter().all(|row| cell(row, "status") == "not-converged"));
+        found
+    };
+    let near = sweep("near", &["--workers", "2"]);
+    let [mut first, mut last] = [["0"; 16].to_vec(), vec!["", "16", "16", "16", "", ""]];
+    first[0] = "";
+    first.append(&mut last);
+    assert_eq!(started_from(&scratch, "near"), first);
+    // What others started from is of no use any more.
+    assert!(!scratch.path("near/neighbours").exists());
+    // Whichever worker was faster, to the last bit.
+    assert!(sweep("one", &["--workers", "1"]) == near);
+    fs::write(scratch.path("gaps.toml"), format!("{NEAR}{SOFT}").replace("\"neighbours\"", "\"rest\"")).unwrap();
+    let rest = sweep("rest", &[]);
+    assert!(rest.iter().filter(|row| cell(row, "contact.gaps_in_contact") == "1").count() > 4);
+    check_same_states(&near, &rest);
+    let count = |table: &[Vec<(String, String)>]| -> usize {
+        table.iter().map(|row| cell(row, "iterations").parse::<usize>().unwrap()).sum()
+    };
+    println!("{} iterations, from rest {}", count(&near), count(&rest));
+    assert!(count(&near) < count(&rest), "{} {}", count(&near), count(&rest));
+}
+
+#[test]
+fn jobs_start_from_neighbours_of_their_own_and_do_without_damaged_ones() {
+    let text = NEAR.replace(", 1.02, 1.04, 0.98]", "]");
+    let scratch = with_sweep("sweep-neighbours-jobs", &text);
+    let job = |more: &[&str]| {
+        let ended =
+            scratch.run(&[&["sweep", "gaps.toml", "--threads", "1", "--quiet", "--out", "jobs"], more].concat());
+        assert_eq!(ended.code, 0, "{ended:?}");
+    };
+    job(&["--only", "0-1"]);
+    job(&["--only", "2-3"]);
+    job(&["--only", "4"]);
+    assert!(scratch.path("jobs/neighbours").exists());
+    job(&["--join"]);
+    let before = table(&scratch, "jobs");
+    assert_eq!(started_from(&scratch, "jobs"), ["", "0", "", "2", ""]);
+    assert!(!scratch.path("jobs/neighbours").exists());
+    // Again, with jobs that are killed between their two designs; what they left is damaged meanwhile, or lost.
+    fs::rename(scratch.path("jobs"), scratch.path("first")).unwrap();
+    job(&["--only", "0-1"]);
+    job(&["--only", "2-3"]);
+    let plan: Value = serde_json::from_str(&fs::read_to_string(scratch.path("jobs/sweep.json")).unwrap()).unwrap();
+    let name = |number: usize| plan["designs"][number]["identity"].as_str().unwrap().to_owned();
+    for number in [1, 3] {
+        fs::remove_file(scratch.path("jobs/rows").join(format!("{}.json", name(number)))).unwrap();
+    }
+    let file = scratch.path("jobs/neighbours").join(format!("{}.bin", name(0)));
+    let mut bytes = fs::read(&file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&file, bytes).unwrap();
+    fs::remove_file(scratch.path("jobs/neighbours").join(format!("{}.bin", name(2)))).unwrap();
+    job(&["--only", "0-1"]);
+    job(&["--only", "2-4"]);
+    job(&["--join"]);
+    let text = fs::read_to_string(scratch.path("jobs/table.csv")).unwrap();
+    assert!(!text.contains("started_from"), "{text}");
+    check_same_states(&before, &table(&scratch, "jobs"));
+}
+
 #[test]
 fn slips_name_the_file_the_key_and_what_is_allowed() {
     let scratch = with_sweep("sweep-slips", SWEEP);

@@ -1,11 +1,13 @@
 //! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
 //!
-//! `step_control` chooses the steps, `predictor` makes a guess, `newton` finds the equilibrium from it; `arc_length` goes on beyond limit
-//! points, `branching` where a body buckles, `snap` where it jumps; `ending` finds out why it goes no further.
+//! `step_control` chooses the steps, `predictor` makes a guess, or `neighbour` one from the path of a similar problem, `newton` finds the
+//! equilibrium from it; `arc_length` goes on beyond limit points, `branching` where a body buckles, `snap` where it jumps; `ending` finds out
+//! why it goes no further.
 
 mod arc_length;
 mod branching;
 mod ending;
+mod neighbour;
 mod newton;
 mod predictor;
 mod record;
@@ -21,6 +23,7 @@ use pneuflex_factor::Parallelism;
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{Clock, Continuation, LoadParameter, Problem, Solver};
 
+pub use self::neighbour::EquilibriumPath;
 use self::newton::Driven;
 use crate::arc::{self, ArcEquation, ArcKind, ArcMemory};
 use crate::checkpoint::{Approach, Checkpoint};
@@ -53,6 +56,10 @@ pub struct Path {
     is_careful: bool,
     /// Tangent near the present equilibrium, which predicts the next one.
     predictor: Option<Tangent>,
+    /// The path of a similar problem, as long as this one goes along with it.
+    neighbour: Option<EquilibriumPath>,
+    /// Its own equilibria, if they are kept for similar problems.
+    kept: Option<EquilibriumPath>,
     /// What a path that is followed by its arc length remembers.
     arc: ArcMemory,
     /// The last requested position, if it is followed by its arc length.
@@ -130,6 +137,8 @@ impl Path {
             tuning,
             begin,
             predictor: None,
+            neighbour: None,
+            kept: None,
             arc: ArcMemory::default(),
             last: LoadParameter::default(),
             step: 0,

@@ -51,6 +51,13 @@ impl Path {
                 return Err(Cause::OtherBranch);
             }
         }
+        // It may have snapped. What comes first is not followed by others; there the tangent may be a bad one.
+        if self.keeps_equilibria() && start.parameter > LoadParameter::default() {
+            let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
+            if is_longer(&change, &correction.scaled(share).displacement) {
+                self.keep_nothing();
+            }
+        }
         Ok(converged)
     }
 

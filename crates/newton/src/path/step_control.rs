@@ -39,6 +39,11 @@ impl Path {
         let mut approach = self.approach.take().unwrap_or_else(|| self.new_approach());
         approach.step = approach.step.min(self.settings.max_step);
         while self.equilibrium.state.parameter < requested {
+            if let Some(found) = self.step_with_neighbour(requested, observer) {
+                let (converged, attempt) = found?;
+                self.accept(converged, &attempt, &mut approach, requested, observer)?;
+                continue;
+            }
             let start = self.equilibrium.state.parameter;
             let is_last = requested - start <= CRUMB * approach.step;
             let wanted = if is_last { requested } else { start + approach.step };
@@ -93,6 +98,7 @@ impl Path {
         let before = self.equilibrium.clone();
         self.adopt(converged);
         self.is_careful &= attempt.attempted != requested;
+        self.keep_equilibrium();
         self.complete(before, attempt, attempt.attempted == requested, observer)?;
         let checkpoint = self.checkpoint(*approach);
         observer(Event::StepAccepted(&checkpoint));

@@ -6,14 +6,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use pneuflex_assembly::{Assembler, Contribution, Elimination, Position, Request, RigidMotion, Totals, Unilateral};
+use pneuflex_assembly::{
+    Assembler, Contribution, Elimination, Position, Prediction, Request, RigidMotion, Totals, Unilateral,
+};
 use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{LoadParameter, Problem};
 
 use crate::contributions::contributions_of;
 use crate::error::{AssembleError, SetupError};
-use crate::linearisation::{Linearisation, MixedLinearisation};
+use crate::linearisation::{self, Linearisation};
 use crate::rotation_update::{Extent, RotationUpdate};
 use crate::state::{Correction, State};
 use crate::tangent_solver::{Assembled, Buffers, Tangent};
@@ -33,7 +35,6 @@ const STRAIGHT_BELOW: f64 = 1e-3;
 /// The discretised equations of a [`Problem`] with everything that is reused from iteration to iteration.
 pub struct System {
     pub(crate) contributions: Vec<Box<dyn Contribution>>,
-    mixed: MixedLinearisation,
     assembler: Assembler,
     symbolic: Arc<Symbolic<3>>,
     rotation_update: RotationUpdate,
@@ -95,7 +96,6 @@ impl System {
         Ok(Self {
             num_bordered: contributions.iter().map(|contribution| contribution.num_bordered()).sum(),
             contributions,
-            mixed: MixedLinearisation::at_rest(mesh.num_nodes()),
             assembler,
             symbolic,
             rotation_update,
@@ -173,7 +173,7 @@ impl System {
     pub fn tangent(&mut self, state: &State) -> Result<(Assembled, Tangent), AssembleError> {
         self.responses = None;
         let start = Instant::now();
-        let linearisation = self.mixed.linearise(&mut self.contributions, state);
+        let linearisation = self.next_linearisation(state);
         self.timing.assembly_s += start.elapsed().as_secs_f64();
         self.take_position(Position { is_on_the_way: true, ..state.position() }, state.parameter);
         self.make_room_for_contact()?;
@@ -227,7 +227,7 @@ impl System {
     /// # Errors
     /// An element turned inside out or a singular tangent, which an earlier linearisation of the same problem has not.
     pub fn restore(&mut self, linearisation: &Linearisation) -> Result<Tangent, AssembleError> {
-        self.mixed.restore(&mut self.contributions, linearisation);
+        self.carry(linearisation);
         Ok(self.tangent(&linearisation.state())?.1)
     }
 
@@ -301,16 +301,28 @@ impl System {
     /// without one those of that displacement itself.
     pub fn predict(&mut self, displacement: &[[f64; 3]], correction: Option<&[[f64; 3]]>) {
         let start = Instant::now();
-        self.mixed.predict(&mut self.contributions, displacement, correction, None);
+        let (displacement, correction) = (displacement.to_vec(), correction.map(<[_]>::to_vec));
+        linearisation::predict(&mut self.contributions, Prediction { displacement, correction, motion: None });
         self.timing.solve_s += start.elapsed().as_secs_f64();
     }
 
     /// The same for a guess from a state: obstacles move with it up to another position on the load path.
     pub fn predict_ahead(&mut self, start: &State, guess: &Correction, aim: LoadParameter) {
         let begin = Instant::now();
+        let (displacement, correction) = (start.displacement.clone(), Some(guess.displacement.clone()));
         let motion = Some([start.parameter, aim]);
-        self.mixed.predict(&mut self.contributions, &start.displacement, Some(&guess.displacement), motion);
+        linearisation::predict(&mut self.contributions, Prediction { displacement, correction, motion });
         self.timing.solve_s += begin.elapsed().as_secs_f64();
+    }
+
+    /// The tangent that is assembled next, at a state, by what it is made from.
+    pub fn next_linearisation(&mut self, state: &State) -> Linearisation {
+        Linearisation::next(&mut self.contributions, state)
+    }
+
+    /// Lets the next tangent carry the stresses of a linearisation. Its lists must have this problem's lengths.
+    pub fn carry(&mut self, linearisation: &Linearisation) {
+        linearisation.restore(&mut self.contributions);
     }
 
     /// How much a correction deforms the body at a displacement.

@@ -7,6 +7,7 @@
 //! * [`resume`]: a path that goes on from a checkpoint is the path that never ended.
 //! * [`obstacles`]: rigid obstacles, and contact without penetration.
 //! * [`arc_length`]: past limit points; [`buckling`]: beyond bifurcations.
+//! * [`neighbour`]: guesses from the path of a similar problem.
 //! * [`held_by_contact`]: bodies without supports.
 //! * [`interference`]: overlaps at rest that are pressed out.
 //! * [`motion`]: obstacles that move, other units of length and force.
@@ -25,6 +26,7 @@ mod held_by_contact;
 mod interference;
 mod loads;
 mod motion;
+mod neighbour;
 mod obstacles;
 mod penetration;
 mod resume;

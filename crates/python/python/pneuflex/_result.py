@@ -735,8 +735,10 @@ def follow(
     resumes: bool,
     fields: bool,
     start: _native.Start | None = None,
+    neighbour: tuple[str, str] | None = None,
+    keeps_equilibria: bool = False,
 ) -> Result:
-    """Solves an analysis of a study.
+    """Solves an analysis of a study, with the guesses of a neighbour: the folder of a sweep and the name of a design in it.
 
     Raises
     ------
@@ -757,7 +759,7 @@ def follow(
             return hear(make(state))
 
     iteration = progress.iteration if progress else None
-    outcome = _native.solve(analysis, hearing.threads, out, resumes, start, fields, tell, iteration)
+    outcome = _native.solve(analysis, hearing.threads, out, resumes, start, fields, neighbour, keeps_equilibria, tell, iteration)
     if progress:
         progress.finish(outcome.status)
     if out is not None and outcome.status != "setup":

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._arrays import Floats, Integers, array_of, faces, floats, integers, listed, matrix, members, numbers, positive, whole
-from ._errors import InputError
+from ._errors import InputError, NotConverged
 from ._materials import as_material
 from ._mesh import STABLE, VTK_CELLS, parts_of
 from ._result import Hearing, Result, State, _Body, follow, positions
@@ -234,6 +234,22 @@ class Study:
         analysis = study.build(force, hearing.threads)
         folder = Path(out) if out is not None else None
         return follow(study, analysis, hearing, out=folder, resumes=False, fields=fields)
+
+    def _solve_in_sweep(
+        self, threads: int, out: str | None, neighbour: tuple[str, str] | None, keeps_equilibria: bool
+    ) -> Result:
+        hearing = Hearing(threads, False, None)
+        analysis = self._study.build(False, hearing.threads)
+        folder = Path(out) if out is not None else None
+        options: dict[str, Any] = {"out": folder, "resumes": False, "fields": False, "keeps_equilibria": keeps_equilibria}
+        try:
+            return follow(self._study, analysis, hearing, neighbour=neighbour, **options)
+        except NotConverged as ended:
+            outcome = ended.result._outcome
+            if outcome is None or not outcome.has_left_neighbour:
+                raise
+        # The two designs differ: once more, at rest.
+        return follow(self._study, analysis, hearing, **options)
 
 
 def _tables(rows: Any, name: str) -> list[Keys]:

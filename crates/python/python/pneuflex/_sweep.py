@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Literal
 
 from numpy.typing import ArrayLike
 
@@ -89,9 +89,13 @@ class Sweep(Sequence[Row]):
         """One row for every reached state of every design: its number, inputs and status, what was found, time, reason. A design without any
         state has one row."""
         found = []
+        numbers = {row["identity"]: row["design"] for row in reversed(self.rows)}
+        has_neighbours = any(row.get("started_from") for row in self.rows)
         for row in self.rows:
             plain = {key: json.dumps(v, separators=(",", ":"), ensure_ascii=False) if isinstance(v, (dict, list)) else v for key, v in row["inputs"].items()}
             head = {"design": row["design"], **plain, "status": row["status"]}
+            if has_neighbours:
+                head["started_from"] = numbers.get(row.get("started_from") or "")
             tail = {key: row.get(key) for key in ("reason", "message", "seconds", "cpu_seconds", "threads")}
             for state in row["states"] or [{}]:
                 found.append({**head, **state, **tail})
@@ -163,6 +167,7 @@ def sweep(
     fields: bool = False,
     workers: int | None = None,
     threads: int | None = None,
+    start: Literal["rest", "neighbours"] = "rest",
     progress: bool = True,
     on_row: Callable[[Row], object] | None = None,
 ) -> Sweep:
@@ -189,6 +194,9 @@ def sweep(
         Number of processes of this machine, and of threads that each design is solved with. Unless told otherwise as many processes as there
         are cores, or as have room in the memory by the largest design's estimate (:meth:`Study.check`); cores that are left over are
         shared out as threads. With an executor one thread.
+    start
+        ``"neighbours"``: guesses for the load steps come from a design before it whose numbers all differ by at most 10 %, where there is one
+        on a mesh of the same topology; the table has its number in ``started_from``. Results are the same to the solver's tolerances.
     progress
         Whether a line on standard error says how far the sweep is, how many designs have failed, and the time left.
     on_row
@@ -210,6 +218,8 @@ def sweep(
         raise InputError(f"study = {study!r:.100} must be a Case or a Model")
     if executor is not None and workers is not None:
         raise InputError("workers are those of this machine: give either these or an executor")
+    if start not in ("rest", "neighbours"):
+        raise InputError(f"start = {start!r:.100} must be 'rest' or 'neighbours'")
     if executor is not None and not hasattr(executor, "submit"):
         raise InputError(f"executor = {executor!r:.100} must be a concurrent.futures.Executor")
     workers, threads = (
@@ -239,8 +249,14 @@ def sweep(
         share = _share(len(left), memory, workers, threads) if executor is None else (0, threads or 1)
         data = _sent(folder, base)
         record = (lambda identity: str(_record(folder, identity))) if fields else (lambda identity: None)
+        neighbours = _neighbours(entries, designs) if start == "neighbours" else {}
+        has_followers = set(neighbours.values())
         tasks = [
-            Task(e["identity"], by_identity[e["identity"]], data, str(folder), record(e["identity"]), share[1]) for e in left
+            Task(
+                name := e["identity"], by_identity[name], data, str(folder), record(name), share[1],
+                starts_from=neighbours.get(name), is_neighbour=name in has_followers,
+            )
+            for e in left
         ]
         teller = _Teller(len(entries), len(entries) - len(left), progress)
         teller.failed = sum(row["status"] not in ("converged", "past-limit") for row in rows.values())
@@ -248,12 +264,14 @@ def sweep(
         is_done = False
         try:
             if pool is not None:
-                for row in _solved(pool, tasks):
-                    if not row_file(folder, row["identity"]).exists():
-                        keep(folder, row)
-                    teller.row(row)
-                    if on_row is not None:
-                        on_row(row)
+                # First those that others start from.
+                for has_neighbour in (False, True):
+                    for row in _solved(pool, [task for task in tasks if (task.starts_from is not None) == has_neighbour]):
+                        if not row_file(folder, row["identity"]).exists():
+                            keep(folder, row)
+                        teller.row(row)
+                        if on_row is not None:
+                            on_row(row)
             is_done = True
         finally:
             if isinstance(pool, Processes):
@@ -261,7 +279,19 @@ def sweep(
             teller.finish()
             found = Sweep(folder, [_row_of(folder, i, **entry) for i, entry in enumerate(entries)])
             found.write()
+            if not found.unfinished:
+                _native.forget_neighbours(folder)
     return found
+
+
+def _neighbours(entries: list[dict[str, Any]], designs: list[Design]) -> dict[str, str]:
+    """Names of designs that start from another one, and of that."""
+    names = [entry["identity"] for entry in entries]
+    found: dict[str, str | None] = {}
+    texts = [flat({key: _plain(value) for key, value in design.items()}) for design in designs]
+    for name, number in zip(names, _native.neighbours_of(texts), strict=True):
+        found.setdefault(name, None if number is None else names[number])
+    return {name: other for name, other in found.items() if other is not None}
 
 
 def _solved(pool: Executor, tasks: list[Task]) -> Iterator[Row]:

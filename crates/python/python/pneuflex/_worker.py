@@ -39,6 +39,10 @@ class Task:
         Folder for the design's own results, if these are kept.
     threads
         Of the solver.
+    starts_from
+        Name of the design that it starts from.
+    is_neighbour
+        Whether others start from it.
     """
 
     identity: str
@@ -47,6 +51,8 @@ class Task:
     folder: str
     record: str | None
     threads: int
+    starts_from: str | None = None
+    is_neighbour: bool = False
 
 
 def row_file(folder: str | os.PathLike[str], identity: str) -> Path:
@@ -76,7 +82,8 @@ def solve_design(task: Task) -> Row:
     result = None
     try:
         study = _base(task.base).copy().set(task.design)
-        result = study.solve(threads=task.threads, out=task.record, fields=False)
+        neighbour = (task.folder, task.starts_from) if task.starts_from else None
+        result = study._solve_in_sweep(task.threads, task.record, neighbour, task.is_neighbour)
     except NotConverged as ended:
         result = ended.result
         row |= {"message": str(ended), "advice": ended.advice}
@@ -92,6 +99,10 @@ def solve_design(task: Task) -> Row:
         row["reason"] = result.reason["kind"] if result.reason else (None if not result.failure else result.status)
         row["states"] = [state.numbers() for state in result]
         row["warnings"] = [warning["kind"] for warning in result.warnings]
+        if (outcome := result._outcome) is not None:
+            outcome.leave_equilibria(task.folder, task.identity)
+            if outcome.has_started_from:
+                row["started_from"] = task.starts_from
     row["seconds"] = time.perf_counter() - began
     row["cpu_seconds"] = time.process_time() - cpu
     row["threads"] = task.threads
