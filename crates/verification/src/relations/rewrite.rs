@@ -236,6 +236,8 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     };
     let is_said = |gap: &ContactTable| actuator.contacts.iter().any(|said| said.slave == gap.slave);
     let contacts = actuator.contacts.iter().cloned().map(|mut table| {
+        // Without them an actuator's gaps have other defaults than surfaces of a mesh.
+        table.method = table.method.or(Some(problem.contact.method));
         table.stiffness = table.stiffness.or(Some(problem.contact.stiffness));
         table
     });
