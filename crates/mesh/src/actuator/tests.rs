@@ -1,3 +1,5 @@
+//! Volumes, places and sets of the generated body, in closed form and against bodies put together by hand.
+
 use super::*;
 use crate::element::ElementKind;
 use crate::grading::MeshSize;
