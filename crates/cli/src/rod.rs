@@ -96,8 +96,10 @@ pub fn rod(arguments: &RodArguments) -> Result<Outcome, CliError> {
         return Err(InputError::new("--tip-load must be a finite number of newtons").into());
     }
     let case = &file.case;
-    let actuator = cell::cell_of(&case.actuator)
-        .map_err(|error| InputError::about_file(&arguments.case.case, error).of_key("actuator.gap"))?;
+    let actuator = cell::cell_of(case).map_err(|error| {
+        let key = error.key().unwrap_or_default();
+        InputError::about_file(&arguments.case.case, error).of_key(&key)
+    })?;
     let cell_case = Case { actuator, ..case.clone() };
     Estimate::of(&cell_case).within(MemoryLimit::Available)?;
     let default = || PathBuf::from("out").join(format!("{}-rod", file.stem()));

@@ -37,7 +37,10 @@ mod shares;
 pub mod testing;
 mod volume_within;
 
-pub use actuator::{Actuator, Channel, Cuts, GeometryError, LENGTHS, Part, build_actuator, build_actuator_with};
+pub use actuator::{
+    Actuator, Chamber, Channel, Cuts, GeometryError, LENGTHS, LENGTHS_PER_CHAMBER, Part, PerChamber, build_actuator,
+    build_actuator_with,
+};
 pub use element::ElementKind;
 pub use enrichment::{AddedNode, Place};
 pub use face::{FaceKind, Outline, PerFaceKind};

@@ -1,6 +1,6 @@
 //! The case file of an actuator, with defaults and range checks.
 
-use pneuflex_mesh::Actuator;
+use pneuflex_mesh::{Actuator, PerChamber};
 use serde::{Deserialize, Serialize};
 
 use crate::material::Material;
@@ -96,7 +96,48 @@ impl Case {
             let allowed = "must be a non-empty, strictly increasing list of finite pressures greater than 0 kPa";
             found.add("load.pressure_kpa", pressures, &format!("{allowed}, from {least:e} to {most:e}"));
         }
+        self.check_chamber_factor(found);
         options::check_probes(&self.probes, found);
+    }
+
+    fn check_chamber_factor(&self, found: &mut Problems) {
+        const KEY: &str = "load.chamber_factor";
+        let Some(factor) = &self.load.chamber_factor else { return };
+        let chambers = self.actuator.chambers;
+        let text = match factor {
+            PerChamber::All(value) => format!("{value:?}"),
+            PerChamber::Each(list) => format!("{list:?}"),
+        };
+        let mut complain = |key: &str, value: String, allowed: String| {
+            found.0.push(CaseError { key: key.into(), value, allowed });
+        };
+        if self.actuator.has_channel() {
+            let allowed = "the channel joins the cavities, and their air has one pressure: set actuator.channel.half_width = 0 for chambers with air \
+                           of their own, or leave it out";
+            return complain(KEY, text, allowed.into());
+        }
+        if let PerChamber::Each(list) = factor
+            && list.len() != chambers
+        {
+            let entries = if chambers == 1 { "entry" } else { "entries" };
+            let allowed = format!(
+                "must be a number, or a list with {chambers} {entries}, one for each of {chambers} chambers: this one has {}",
+                list.len()
+            );
+            return complain(KEY, text, allowed);
+        }
+        let mut is_finite = true;
+        for (key, value) in factor.keyed(KEY).filter(|(_, value)| !Quantity::Factor.allows(*value)) {
+            is_finite = false;
+            let [least, most] = Quantity::Factor.range();
+            let allowed = format!(
+                "must be a factor of the pressure: a finite number, 0 or from {least:e} to {most:e}, negative for a vacuum"
+            );
+            complain(&key, format!("{value:?}"), allowed);
+        }
+        if is_finite && factor.entries().iter().all(|value| *value == 0.0) {
+            complain(KEY, text, "must not be 0 for all chambers: nothing would be inflated".into());
+        }
     }
 }
 

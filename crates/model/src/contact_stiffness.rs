@@ -76,7 +76,8 @@ mod tests {
     #[test]
     fn the_papers_material_gives_the_papers_numbers_and_others_scale() {
         assert_eq!(of_actuator(0.5424, &Actuator::full()), 4.0);
-        let thick = Actuator { top_wall: 2.0, side_wall: 2.0, cavity_length: 4.0, ..Actuator::full() };
+        let thick =
+            Actuator { top_wall: 2.0.into(), side_wall: 2.0.into(), cavity_length: 4.0.into(), ..Actuator::full() };
         assert_eq!(of_actuator(1.0848, &thick), 4.0);
     }
 

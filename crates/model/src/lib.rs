@@ -29,6 +29,7 @@ pub mod obstacle;
 pub mod obstacle_table;
 pub mod options;
 pub mod problem;
+mod problem_of_actuator;
 pub mod quantity;
 pub mod range_check;
 mod series;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use pneuflex_mesh::{Actuator, MeshSize};
+use pneuflex_mesh::{Actuator, MeshSize, PerChamber};
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -93,6 +93,9 @@ pub enum ContactMethod {
 pub struct Load {
     /// Increasing pressures, kPa.
     pub pressure_kpa: Vec<f64>,
+    /// Pressures in the chambers over these, for chambers that no channel joins. `None` for one air in all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chamber_factor: Option<PerChamber>,
 }
 
 /// A point whose displacement is reported.
@@ -337,7 +340,8 @@ pub(crate) fn check_probes(probes: &[Probe], found: &mut Problems) {
 }
 
 impl Resolution {
-    /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width.
+    /// Element sizes: at edges a share of the thinnest wall, elsewhere a share of the body's width. Where chambers differ, those of
+    /// the thinnest and shortest hold for all.
     pub fn mesh_size(self, actuator: &Actuator) -> MeshSize {
         let (of_width, of_wall) = match self {
             Self::Draft => (1.0, 2.8),
@@ -345,7 +349,7 @@ impl Resolution {
             Self::Fine => (1.0, 0.7),
         };
         let wall = actuator.thinnest_wall();
-        let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length);
+        let width = (0.5 * actuator.width).min(actuator.height).min(actuator.cavity_length.least());
         MeshSize { edge: of_wall * wall, ..MeshSize::uniform(of_width * width) }
     }
 }

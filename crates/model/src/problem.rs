@@ -3,18 +3,15 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use pneuflex_mesh::{Actuator, AddedNode, Facet, Mesh, MeshSize, build_actuator};
+use pneuflex_mesh::{AddedNode, Facet, Mesh};
 
-use crate::case::Case;
 use crate::formulation::Formulation;
 use crate::load::{Cavity, Control, Curve, LinearEquation, Load, Motion};
 use crate::material::Material;
 use crate::obstacle::Obstacle;
 use crate::options::{Contact, ContactMethod};
 use crate::quantity::LoadParameter;
-use crate::range_check::CaseError;
 use crate::symmetry::SymmetryPlane;
-use crate::symmetry_check::{ProblemPart, WHOLE_ACTUATOR};
 use crate::units::MPA_PER_KPA;
 
 /// A boundary-value problem: body, materials, supports, loads, facing walls.
@@ -190,92 +187,22 @@ impl Problem {
         self.cavities.push(Cavity { name: name.into(), facets, control });
     }
 
-    /// Meshes the case's actuator: clamped on x = 0, held in y on the symmetry plane of a half model.
-    ///
-    /// The slave of every gap is its left wall, the outer wall of the chamber nearer to the clamp **(our reading: the
-    /// paper does not say which wall is the slave)**.
-    ///
-    /// # Errors
-    /// A value out of range, see [`Case::validate`].
-    pub fn from_case(case: &Case) -> Result<Self, CaseError> {
-        Self::from_case_on(case, &case.mesh.mesh_size(&case.actuator))
+    /// Whether there is one air, whose pressure in kPa is the load parameter.
+    pub fn has_one_air(&self) -> bool {
+        let is_parameter = |cavity: &Cavity| cavity.control == Control::Pressure(Curve::Proportional(MPA_PER_KPA));
+        matches!(&self.cavities[..], [cavity] if is_parameter(cavity))
     }
 
-    /// The same on a mesh of another size than the case's.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn from_case_on(case: &Case, size: &MeshSize) -> Result<Self, CaseError> {
-        case.validate()?;
-        let (formulation, material, contact) = (case.mesh.formulation(), case.material.clone(), case.contact.clone());
-        let mut problem = Self::from_actuator(&case.actuator, size, formulation, material, contact)?;
-        let first = LoadParameter(case.load.pressure_kpa.first().copied().unwrap_or_default());
-        let obstacles = case.obstacles.iter().filter_map(|table| {
-            let faces = table.faces.as_deref().unwrap_or("outer");
-            table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None, first)
-        });
-        problem.obstacles = obstacles.collect();
-        for asymmetry in problem.asymmetries() {
-            // Nothing else of a case file can break its plane of symmetry.
-            if let (false, ProblemPart::Obstacle(number)) = (asymmetry.is_twofold, asymmetry.part) {
-                let (name, at) = case.obstacles[number].position();
-                return Err(asymmetry.refusal(format!("obstacle[{number}].{name}"), format!("{at:?}"), WHOLE_ACTUATOR));
-            }
-        }
-        Ok(problem)
-    }
-
-    /// The same from its parts, without a case file.
-    ///
-    /// # Errors
-    /// A length out of range, see [`Actuator::validate`].
-    pub fn from_actuator(
-        actuator: &Actuator,
-        size: &MeshSize,
-        formulation: Formulation,
-        material: Material,
-        contact: Contact,
-    ) -> Result<Self, pneuflex_mesh::GeometryError> {
-        let mesh = build_actuator(actuator, size, formulation.element_kind())?;
-        let mut problem = Self::of_actuator_mesh(actuator.chambers, mesh, formulation, material, contact);
-        let cavity = problem.mesh.facet_set("cavity").to_vec();
-        problem.inflate("cavity", cavity);
-        Ok(problem)
-    }
-
-    /// The same from the mesh of an actuator with a number of chambers, and without air.
-    pub fn of_actuator_mesh(
-        chambers: usize,
-        mesh: Mesh,
-        formulation: Formulation,
-        material: Material,
-        contact: Contact,
-    ) -> Self {
-        let support = |name: &str, axes| {
-            let nodes = mesh.node_set(name).to_vec();
-            Support { name: name.into(), nodes, axes, motion: None }
+    /// Numbers of the contact pairs: those of gaps `gap_1`, `gap_2`, … are the gaps' own, also where chambers without a gap between them have
+    /// none; the others count on.
+    pub fn numbers_of_pairs(&self) -> Vec<usize> {
+        let mut last = 0;
+        let number = |pair: &ContactPair| {
+            let of_gap = pair.name.strip_prefix("gap_").and_then(|number| number.parse().ok());
+            last = of_gap.filter(|number| *number > last).unwrap_or(last + 1);
+            last
         };
-        let (mut supports, mut symmetry) = (vec![support("clamp", [true; 3])], Vec::new());
-        if !mesh.node_set("symmetry").is_empty() {
-            symmetry.push(SymmetryPlane { axis: 1, at: 0.0, support: supports.len() });
-            supports.push(support("symmetry", [false, true, false]));
-        }
-        let mut contact_pairs: Vec<ContactPair> = (1..chambers)
-            .map(|i| {
-                let [left, right] = ["left", "right"].map(|side| mesh.facet_set(&format!("gap_{i}_{side}")).to_vec());
-                (i, left, right)
-            })
-            // Chambers without a gap share a wall.
-            .filter(|(_, left, right)| !(left.is_empty() && right.is_empty()))
-            .map(|(i, left, right)| ContactPair {
-                is_two_pass: contact.two_pass,
-                ..ContactPair::new(format!("gap_{i}"), left, right)
-            })
-            .collect();
-        if contact.self_contact {
-            contact_pairs.push(outer_surface(&mesh, &contact_pairs));
-        }
-        Self { supports, symmetry, contact, contact_pairs, ..Self::body(mesh, formulation, material) }
+        self.contact_pairs.iter().map(number).collect()
     }
 
     /// Materials, that of the elements without region first, and for every element the index of its own.
@@ -359,42 +286,5 @@ impl Problem {
     /// Number of unknown displacements.
     pub fn num_unknowns(&self) -> usize {
         self.held_dofs().iter().filter(|held| !**held).count()
-    }
-}
-
-/// An actuator's outer surface against itself, without the walls of the gaps: these face each other, and nothing else gets between them.
-fn outer_surface(mesh: &Mesh, gaps: &[ContactPair]) -> ContactPair {
-    let walls: BTreeSet<Facet> = gaps.iter().flat_map(|gap| gap.slave.iter().chain(&gap.master)).copied().collect();
-    let outer: Vec<Facet> = mesh.facet_set("outer").iter().filter(|facet| !walls.contains(facet)).copied().collect();
-    ContactPair::new("outer", outer.clone(), outer)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn walls_of_a_gap_correspond_face_by_face() {
-        let problem = Problem::from_actuator(
-            &Actuator::full(),
-            &MeshSize::uniform(1.0),
-            Formulation::Hex8Sri,
-            Material::default(),
-            Contact::default(),
-        )
-        .unwrap();
-        assert_eq!(problem.contact_pairs.len(), 7);
-        for pair in &problem.contact_pairs {
-            for (&slave, &master) in pair.slave.iter().zip(&pair.master) {
-                let centre = |facet| -> [f64; 3] {
-                    let nodes = problem.mesh.facet_nodes(facet);
-                    std::array::from_fn(|d| nodes.iter().map(|&n| problem.mesh.nodes[n as usize][d]).sum::<f64>() / 4.0)
-                };
-                let (s, m) = (centre(slave), centre(master));
-                assert!((s[1] - m[1]).abs() + (s[2] - m[2]).abs() < 1e-12 && (m[0] - s[0] - 2.0).abs() < 1e-12);
-            }
-        }
-        // 83 × 11 × 5 nodes of the base and so on: about the paper-scale model of the design.
-        assert!((24_000..28_000).contains(&problem.num_unknowns()), "{}", problem.num_unknowns());
     }
 }

@@ -8,7 +8,8 @@ use pneuflex_mesh::{GeometryError, LENGTHS};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} = {value} {}: {allowed}", self.verdict())]
 pub struct CaseError {
-    /// Dotted key, e.g. `mesh.size`; entries of a list by their number from 0, e.g. `probe[1].at`.
+    /// Dotted key, e.g. `mesh.size`; tables of a list by their number from 0, e.g. `probe[1].at`; what
+    /// there is of every chamber by the chamber's number, from 1, e.g. `actuator.top_wall[3]`.
     pub key: String,
     /// The offending value as text.
     pub value: String,
@@ -25,7 +26,7 @@ impl CaseError {
 
 impl From<GeometryError> for CaseError {
     fn from(error: GeometryError) -> Self {
-        Self { key: format!("actuator.{}", error.key), value: error.value.to_string(), allowed: error.allowed }
+        Self { key: format!("actuator.{}", error.key), value: error.value, allowed: error.allowed }
     }
 }
 

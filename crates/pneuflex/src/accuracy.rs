@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use pneuflex_mesh::{Actuator, MeshSize};
+use pneuflex_mesh::{Actuator, Chamber, MeshSize};
 use pneuflex_model::{Formulation, LoadParameter, MeshOptions, Problem};
 use pneuflex_post::summary::StepSummary;
 
@@ -96,6 +96,10 @@ pub enum Parameter {
     Channel,
     /// Gaps between the chambers.
     Gap,
+    /// Chambers that are not alike.
+    Chambers,
+    /// Pressures that are not the same in all chambers.
+    Air,
     /// Bending beside the stretch that the air gives.
     WeakBending,
     /// Angle per chamber.
@@ -112,6 +116,8 @@ impl Parameter {
             Self::Base => "base",
             Self::Channel => "channel",
             Self::Gap => "gap",
+            Self::Chambers => "chambers",
+            Self::Air => "air",
             Self::WeakBending => "weak bending",
             Self::StrongBending => "strong bending",
         }
@@ -200,8 +206,15 @@ pub fn expected(problem: &Problem, actuator: &Actuator, mesh: &MeshOptions, step
         );
         add(Parameter::Channel, None, what);
     }
-    if actuator.chambers > 1 && actuator.gap == 0.0 {
+    if actuator.gaps() + 1 < actuator.chambers {
         add(Parameter::Gap, None, "chambers without a gap between them were not measured".into());
+    }
+    if let Some(key) = actuator.first_varied() {
+        add(Parameter::Chambers, None, format!("chambers that differ in {key} were not measured"));
+    }
+    let of_chambers: Vec<_> = problem.cavities.iter().map(|cavity| &cavity.control).collect();
+    if of_chambers.windows(2).any(|pair| pair[0] != pair[1]) {
+        add(Parameter::Air, None, "chambers whose air is not the same were not measured".into());
     }
     let is_air_alone = problem.loads.is_empty()
         && problem.obstacles.is_empty()
@@ -233,15 +246,26 @@ pub fn expected(problem: &Problem, actuator: &Actuator, mesh: &MeshOptions, step
 
 /// Largest ratio of the shorter span of a wall around a cavity to its thickness, and which walls have it.
 fn slenderness(actuator: &Actuator) -> (f64, &'static str) {
-    let width = actuator.width - 2.0 * actuator.side_wall;
-    let height = actuator.height - actuator.floor() - actuator.top_wall;
-    let length = actuator.cavity_length;
-    let walls = [
-        (width.min(height) / actuator.end_wall(), "end"),
-        (length.min(height) / actuator.side_wall, "side"),
-        (length.min(width) / actuator.top_wall, "top"),
-    ];
-    walls.into_iter().fold((0.0, "end"), |most, wall| if wall.0 > most.0 { wall } else { most })
+    let of_chamber = |chamber: Chamber| {
+        let [length, width, height] = inside(actuator, &chamber);
+        let end = chamber.cavity[0] - chamber.start;
+        [
+            (width.min(height) / end, "end"),
+            (length.min(height) / chamber.side_wall, "side"),
+            (length.min(width) / chamber.top_wall, "top"),
+        ]
+    };
+    let walls = actuator.row().into_iter().flat_map(of_chamber);
+    walls.fold((0.0, "end"), |most, wall| if wall.0 > most.0 { wall } else { most })
+}
+
+/// Length, width and height of a cavity, mm.
+fn inside(actuator: &Actuator, chamber: &Chamber) -> [f64; 3] {
+    [
+        chamber.cavity[1] - chamber.cavity[0],
+        actuator.width - 2.0 * chamber.side_wall,
+        actuator.height - actuator.floor() - chamber.top_wall,
+    ]
 }
 
 /// The thinner part of the base at the channel and its thickness, mm.
@@ -257,13 +281,20 @@ fn thinner_at_channel(actuator: &Actuator) -> Option<(&'static str, f64)> {
 /// the shear modulus μ. Both are of one order where an actuator bends because the air acts beside its stiff base; where the ratio is small
 /// or negative, bending to one side nearly cancels that to the other. `None` without air.
 fn bending(problem: &Problem, actuator: &Actuator, step: &StepSummary) -> Option<f64> {
-    let width = actuator.width - 2.0 * actuator.side_wall;
-    let height = actuator.height - actuator.floor() - actuator.top_wall;
-    let air = width * height;
-    let solid = actuator.width * actuator.height - air;
-    let strain = 1e-3 * step.pressure_kpa * air / (3.0 * problem.material.shear_modulus() * solid);
-    let angle = step.end_face_angle_deg? * PI / 180.0 / actuator.chambers as f64;
-    let bending = angle * actuator.height / actuator.chamber_length;
+    let row = actuator.row();
+    let pressure_kpa = step.cavities.values().next().map_or(step.pressure_kpa, |cavity| cavity.pressure_kpa);
+    // Of chambers that differ, the sums over all of them, by their lengths.
+    let (mut length, mut stretch) = (0.0, 0.0);
+    for chamber in &row {
+        let [_, width, height] = inside(actuator, chamber);
+        let air = width * height;
+        let solid = actuator.width * actuator.height - air;
+        let of_chamber = chamber.end - chamber.start;
+        length += of_chamber;
+        stretch += of_chamber * 1e-3 * pressure_kpa * air / (3.0 * problem.material.shear_modulus() * solid);
+    }
+    let strain = stretch / length;
+    let bending = step.end_face_angle_deg? * PI / 180.0 * actuator.height / length;
     (strain != 0.0).then_some(bending / strain)
 }
 

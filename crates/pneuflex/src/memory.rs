@@ -204,7 +204,7 @@ mod tests {
             mesh,
             material: Material::default(),
             contact: Contact::default(),
-            load: Load { pressure_kpa: vec![1.0] },
+            load: Load { pressure_kpa: vec![1.0], chamber_factor: None },
             obstacles: Vec::new(),
             probes: Vec::new(),
             solver: Solver::default(),

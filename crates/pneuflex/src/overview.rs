@@ -107,6 +107,8 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
             mesh.volume()
         ),
     );
+    let varied = actuator.per_chamber().into_iter().filter(|(_, value)| value.is_varied());
+    varied.for_each(|(key, value)| rows.add("", format!("{key} {} mm", plain_list(value.entries()))));
     rows.add(
         "mesh",
         format!(
@@ -167,7 +169,16 @@ fn rows_of_actuator(case: &Case, problem: &Problem) -> Vec<OverviewRow> {
     }
     let pressures: Vec<String> = case.load.pressure_kpa.iter().map(|p| plain(*p)).collect();
     let faces = number(problem.cavity_facets().len());
-    rows.add("load", format!("{} kPa on {faces} faces", pressures.join(", ")));
+    let pressures = format!("{} kPa", pressures.join(", "));
+    rows.add(
+        "load",
+        match &case.load.chamber_factor {
+            None => format!("{pressures} on {faces} faces"),
+            Some(factor) => {
+                format!("{pressures}, times {} in the chambers, on {faces} faces", plain_list(factor.entries()))
+            }
+        },
+    );
     for (name, site) in probe_sites(mesh, &case.probes) {
         rows.add("probe", probe(&name, &site));
     }

@@ -151,7 +151,7 @@ mod tests {
             let case = toml::from_str::<pneuflex_model::Case>(&crate::template::two_chambers()).unwrap();
             let mut problem = Problem::from_case(&case).unwrap();
             let mesh = std::sync::Arc::unwrap_or_clone(problem.mesh.clone());
-            let middle = case.actuator.gap;
+            let middle = case.actuator.gap.at(0);
             let walls = mesh.facet_set("gap_1_left").to_vec();
             let wall: std::collections::BTreeSet<u32> =
                 walls.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();

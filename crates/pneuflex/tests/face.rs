@@ -63,10 +63,10 @@ fn input_errors_have_key_place_and_help() {
     let mut study = coarse();
     let Err(Error::Input(errors)) = study.set("actuator.gap", "-1") else { panic!("it was set") };
     assert_eq!(errors[0].key(), Some("actuator.gap"));
-    assert_eq!(study.case().unwrap().actuator.gap, 2.0);
+    assert_eq!(study.case().unwrap().actuator.gap, 2.0.into());
     assert!(matches!(study.set("actuator", ""), Err(Error::Input(_))));
     study.set("actuator.gap", "1.5").unwrap();
-    assert_eq!(study.case().unwrap().actuator.gap, 1.5);
+    assert_eq!(study.case().unwrap().actuator.gap, 1.5.into());
 }
 
 #[test]

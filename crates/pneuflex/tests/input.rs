@@ -290,3 +290,93 @@ fn results_carry_warnings_in_every_kind_of_file() {
         assert_eq!(found, [WarningKind::BeyondFit, WarningKind::CoarseMesh], "{measured}");
     }
 }
+
+/// Lengths of single chambers are set by their numbers, whatever is set before or after, and the list is what is solved.
+#[test]
+fn one_chamber_is_changed_by_its_number() {
+    let text = file("[load]\npressure_kpa = [1]\n");
+    let set = |changes: &[(&str, &str)]| {
+        let mut study = Study::from_text("finger.toml", &text).unwrap();
+        study.set_all(changes.iter().map(|&(key, value)| Change::new(key, value)))?;
+        Ok::<_, Error>(study)
+    };
+    let one = set(&[("actuator.gap[3]", "1.5"), ("actuator.top_wall[1]", "2")]).unwrap();
+    let actuator = &one.case().unwrap().actuator;
+    assert_eq!((&actuator.gap, &actuator.top_wall), (&[2.0, 2.0, 1.5].into(), &[2.0, 1.0, 1.0, 1.0].into()));
+    let walls = one.build().unwrap().problem.mesh.facet_set("gap_3_right").len();
+    assert!(walls > 0);
+    // An entry of the list, and of as many chambers, as the other keys leave.
+    for order in [[0, 1, 2], [2, 1, 0]] {
+        let changes = [("actuator.gap[2]", "0"), ("actuator.gap", "[1, 2]"), ("actuator.chambers", "3")];
+        let study = set(&order.map(|i| changes[i])).unwrap();
+        assert_eq!(study.case().unwrap().actuator.gap, [1.0, 0.0].into());
+    }
+    // A list as a whole takes the place of entries that were set before, and entries stay beside other keys.
+    let mut study = one;
+    study.set("actuator.gap", "0.5").unwrap().set("actuator.flange", "1").unwrap();
+    assert_eq!(study.case().unwrap().actuator.gap, 0.5.into());
+    assert_eq!(study.case().unwrap().actuator.top_wall, [2.0, 1.0, 1.0, 1.0].into());
+    for (key, value, words) in [
+        ("actuator.gap[4]", "1", "actuator.gap[4] cannot be set: actuator.gap has entries from 1 to 3"),
+        ("actuator.gap[0]", "1", "entries from 1 to 3"),
+        ("actuator.width[1]", "1", "`actuator.width[1]` is not a key"),
+        ("actuator.gap[3]", "-1", "actuator.gap[3] = -1 is out of range: must be at least 0 mm"),
+        ("actuator.gap[3]", "wide", "actuator.gap[3]: wrong type: string \"wide\", expected a number"),
+        (
+            "actuator.side_wall",
+            "[1, 1, 1]",
+            "must be a number, or a list with 4 entries, one for each of 4 chambers: this one has 3",
+        ),
+        (
+            "actuator.gap",
+            "[1, 1, 1, 1]",
+            "a list with 3 entries, one for each of the gaps between 4 chambers: this one has 4",
+        ),
+        ("actuator.cavity_length[2]", "8", "actuator.cavity_length[2] = 8 is out of range"),
+        ("actuator.top_wall[2]", "1.002", "must be equal to top_wall[4] = 1, or differ from it by 1.00e-2 mm or more"),
+    ] {
+        let Err(Error::Input(errors)) = set(&[(key, value)]) else { panic!("{key}={value} was taken") };
+        assert!(errors.iter().any(|error| error.to_string().contains(words)), "{key}={value}: {errors:?}");
+        assert!(
+            errors[0].to_string().contains(&format!("--set {key}={value}")) || errors[0].key().is_some(),
+            "{errors:?}"
+        );
+    }
+    // In a model file as well.
+    let mut study = Study::from_text("finger.toml", &model("")).unwrap();
+    study.set("actuator.side_wall[4]", "1.5").unwrap();
+    assert_eq!(study.model().unwrap().actuator.as_ref().unwrap().side_wall, [1.0, 1.0, 1.0, 1.5].into());
+    assert!(study.set("load.chamber_factor[1]", "0.5").is_err());
+}
+
+/// Pressures of single chambers where these have air of their own; refused, with the remedy, where a channel joins them.
+#[test]
+fn pressures_of_single_chambers_ask_for_air_of_their_own() {
+    let load = |factor: &str| file(&format!("[load]\npressure_kpa = [1]\nchamber_factor = {factor}\n"));
+    let apart = |factor: &str| load(factor).replace("half_width = 1.0", "half_width = 0.0");
+    assert_refused(&load("[1, 1, 1, 1]"), "load.chamber_factor", "set actuator.channel.half_width = 0");
+    assert_refused(
+        &apart("[1, 1]"),
+        "load.chamber_factor",
+        "a list with 4 entries, one for each of 4 chambers: this one has 2",
+    );
+    assert_refused(&apart("[1, nan, 1, 1]"), "load.chamber_factor[2]", "negative for a vacuum");
+    assert_refused(&apart("0"), "load.chamber_factor", "must not be 0 for all chambers");
+    let mut study = Study::from_text("finger.toml", &file("[load]\npressure_kpa = [1]\n")).unwrap();
+    study.set("actuator.channel.half_width", "0").unwrap().set("load.chamber_factor[3]", "-0.5").unwrap();
+    assert_eq!(study.case().unwrap().load.chamber_factor, Some([1.0, 1.0, -0.5, 1.0].into()));
+    let analysis = study.build().unwrap();
+    assert_eq!(
+        analysis.problem.cavities.iter().map(|cavity| &cavity.name[..]).collect::<Vec<_>>(),
+        ["cavity_1", "cavity_2", "cavity_3", "cavity_4"]
+    );
+    // What is written out is read again.
+    let again = Study::from_text("again.toml", &analysis.resolved().unwrap()).unwrap();
+    assert_eq!(again.case().unwrap(), &study.case().unwrap().resolved());
+    // As a deck or a mesh has no chambers, its files have no such keys.
+    assert_refused(
+        &model("").replace(TIMES, "[load]\ntimes = [1.0]\nchamber_factor = [1, 1, 1, 1]\n"),
+        "load.chamber_factor",
+        "unknown key",
+    );
+}

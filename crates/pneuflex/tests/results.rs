@@ -57,6 +57,76 @@ fn chambers_without_a_channel_have_air_of_their_own() {
     }
 }
 
+/// Pressures of chambers in a case file are those of its model file with a cavity for each; results have the air of each.
+#[test]
+fn chambers_of_a_case_have_the_pressures_of_their_factors() {
+    let text = BODY.replace("half_width = 1.0", "half_width = 0.0").replace("PART", "half");
+    let text = text.replace("gap = 2.0", "gap = [1.5, 0]").replace("chambers = 2", "chambers = 3");
+    let text =
+        text.replace("top_wall = 1.0", "top_wall = [1.0, 1.5, 1.0]").split("[[obstacle]]").next().unwrap().to_owned();
+    let factors = [1.0, 0.5, -0.2];
+    let case = format!("{text}[load]\npressure_kpa = [10, 20]\nchamber_factor = {factors:?}\n");
+    let case = Study::from_text("case.toml", &case).unwrap().build().unwrap();
+    assert!(
+        case.overview().to_string().contains("10, 20 kPa, times [1, 0.5, -0.2] in the chambers"),
+        "{}",
+        case.overview()
+    );
+    let states = case.solve().unwrap().states;
+    let cavities = (1..).zip(factors).map(|(i, factor)| {
+        format!("[[cavity]]\nname = \"cavity_{i}\"\nfaces = \"cavity_{i}\"\npressure_kpa = {:?}\n", 20.0 * factor)
+    });
+    let model = format!("{text}[load]\ntimes = [10, 20]\n{}", cavities.collect::<String>());
+    let model = Study::from_text("model.toml", &model).unwrap().build().unwrap().solve().unwrap().states;
+    let [a, b] = [&states[1], &model[1]];
+    assert!((a.end_face_angle_deg.unwrap() / b.end_face_angle_deg.unwrap() - 1.0).abs() < 1e-8);
+    assert_eq!(a.pressure_kpa, 20.0);
+    for (name, factor) in ["cavity_1", "cavity_2", "cavity_3"].into_iter().zip(factors) {
+        let [in_case, in_model] = [a.cavities[name], b.cavities[name]];
+        assert!((in_case.pressure_kpa - 20.0 * factor).abs() < 1e-12, "{name}: {in_case:?}");
+        assert!((in_case.volume_mm3.unwrap() / in_model.volume_mm3.unwrap() - 1.0).abs() < 1e-9, "{name}");
+    }
+    // What is sucked empty shrinks, and what is inflated more grows more.
+    let rest = [6.0 * 18.0 * 8.0, 6.0 * 18.0 * 7.5, 6.0 * 18.0 * 8.0];
+    let growth: Vec<f64> =
+        a.cavities.values().zip(rest).map(|(cavity, rest)| cavity.volume_mm3.unwrap() - rest).collect();
+    assert!(growth[0] > growth[1] && growth[1] > 0.0 && growth[2] < 0.0, "{growth:?}");
+}
+
+/// How far a chamber bends is its own matter: nearly as far beside another one as beside one of its own kind, before the gap as behind it.
+#[test]
+fn a_chamber_bends_as_beside_one_of_its_kind() {
+    let turns = |lengths: &str| {
+        let text = BODY.replace("PART", "half").split("[[obstacle]]").next().unwrap().to_owned() + CASE;
+        let cavities = lengths.replace("8.0", "6.0").replace("12.0", "10.0");
+        let text = text.replace("chamber_length = 8.0", &format!("chamber_length = {lengths}"));
+        let text = text.replace("cavity_length = 6.0", &format!("cavity_length = {cavities}"));
+        let analysis = Study::from_text("case.toml", &text).unwrap().build().unwrap();
+        let row = analysis.actuator().unwrap().row();
+        let run = analysis.solve().unwrap();
+        let displacement = &run.fields[0].displacement;
+        // By how much the base's section at x has turned, degrees.
+        let section = |x: f64| {
+            let mean = |z: f64| {
+                let mesh = &analysis.problem.mesh;
+                let nodes = mesh.select_nodes(|at| (at[0] - x).abs() + (at[2] - z).abs() < 1e-9);
+                nodes.iter().map(|&node| displacement[node as usize][0]).sum::<f64>() / nodes.len() as f64
+            };
+            ((mean(4.0) - mean(0.0)) / 4.0).atan().to_degrees()
+        };
+        let at_gap = 0.5 * (section(row[0].end) + section(row[1].start));
+        [at_gap, run.states[0].end_face_angle_deg.unwrap() - at_gap]
+    };
+    let [short, long] = ["[8.0, 8.0]", "[12.0, 12.0]"].map(turns);
+    for (lengths, alike) in [("[8.0, 12.0]", [short[0], long[1]]), ("[12.0, 8.0]", [long[0], short[1]])] {
+        for (found, expected) in turns(lengths).into_iter().zip(alike) {
+            assert!((found / expected - 1.0).abs() < 0.1, "{lengths}: {found} {expected}");
+        }
+    }
+    // Longer ones bulge more to the side of their base, which bends them back.
+    assert!(short.into_iter().zip(long).all(|(short, long)| short > 1.4 * long && long > 1.0), "{short:?} {long:?}");
+}
+
 /// Numbers of two results that describe the same body, which are to be equal.
 fn compare(name: &str, a: &StepSummary, b: &StepSummary) {
     let numbers = |state: &StepSummary| {

@@ -85,8 +85,8 @@ pub struct ContactFace {
 /// The faces of [`contact_walls`] in their order: slave and master of every pair, then those of obstacles that are not among them.
 pub fn contact_faces(problem: &Problem) -> Vec<ContactFace> {
     let mut faces = Vec::new();
-    for (i, pair) in problem.contact_pairs.iter().enumerate() {
-        let face = |is_master| move |&facet: &Facet| ContactFace { facet, gap: i + 1, is_master };
+    for (gap, pair) in problem.numbers_of_pairs().into_iter().zip(&problem.contact_pairs) {
+        let face = |is_master| move |&facet: &Facet| ContactFace { facet, gap, is_master };
         faces.extend(pair.slave.iter().map(face(false)));
         // A surface that touches itself is there once.
         faces.extend(pair.master.iter().filter(|_| !pair.is_self()).map(face(true)));

@@ -66,7 +66,7 @@ pub struct StepSummary {
     pub contact: ContactSummary,
     /// Volume of all cavities that have one, mm³.
     pub cavity_volume_mm3: f64,
-    /// Every cavity of a model, by name; left out for actuators.
+    /// Every cavity of a model, by name; of an actuator where chambers have air of their own.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cavities: BTreeMap<String, CavitySummary>,
     /// Sum of the reactions of all supports, N, every node once; planes of symmetry are none.
@@ -315,7 +315,7 @@ pub fn describe(
             min_gap_mm: penetration.min_gap_mm(),
         },
         cavity_volume_mm3: measures::cavity_volume(problem, u)?,
-        cavities: if is_model { cavities(problem, state)? } else { BTreeMap::new() },
+        cavities: if is_model || !problem.has_one_air() { cavities(problem, state)? } else { BTreeMap::new() },
         reaction_n: reactions.total,
         symmetry_reactions: reactions.planes,
         reactions: if is_model { reactions.supports } else { BTreeMap::new() },

@@ -92,6 +92,21 @@ def test_keys_are_set_together_or_not_at_all(small: Case) -> None:
         small.set({"material": "dragonskin"})
     with pytest.raises(TypeError, match="actuator.gap"):
         small.set({"actuator.gap": object()})
+    # Lengths of single chambers, from 1; a number is that of all of them.
+    several = Case.actuator(chambers=4, gap=np.array([2, 1.5, 0]), top_wall=[1, 1, 1, 1.5], side_wall=1.2)
+    assert several["actuator.gap"] == [2, 1.5, 0] and several["actuator.gap[2]"] == 1.5
+    assert several["actuator.side_wall[4]"] == 1.2 and several.length == 4 + 32 + 3.5
+    several.set({"actuator.top_wall[4]": np.float64(2), "actuator.gap[3]": 1})
+    assert several["actuator.top_wall"] == [1, 1, 1, 2] and several["actuator.gap"] == [2, 1.5, 1]
+    for key in ["actuator.gap[4]", "actuator.gap[0]", "actuator.width[1]", "actuator.gap[x]"]:
+        with pytest.raises(KeyError):
+            several[key]
+    with pytest.raises(InputError, match="entries from 1 to 3"):
+        several.set({"actuator.gap[4]": 1})
+    with pytest.raises(InputError, match="set actuator.channel.half_width = 0"):
+        several.set({"load.chamber_factor": [1, 1, 1, 0.5]})
+    apart = {"half_width": 0, "bottom": 2, "top": 3}
+    assert Case.actuator(chambers=2, channel=apart, chamber_factor=[1, 0.5])["load.chamber_factor[2]"] == 0.5
     other = small.copy().set({"material": "dragon-skin-30"})
     assert other["material.c10"] == pneuflex.materials()["dragon-skin-30"].constants["c10"] != small["material.c10"]
     # A material is replaced as a whole: a law has no constants of another one.

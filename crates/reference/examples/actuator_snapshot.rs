@@ -34,7 +34,7 @@ fn case(name: &str) -> Option<Case> {
     };
     Some(Case {
         title: title.into(),
-        actuator: Actuator { gap, ..Actuator::full() },
+        actuator: Actuator { gap: gap.into(), ..Actuator::full() },
         mesh: MeshOptions {
             size: Some(Size::PerAxis([6.0, 5.0, 4.5])),
             element: Some(element),
@@ -42,7 +42,7 @@ fn case(name: &str) -> Option<Case> {
         },
         material: Material { invariant, ..Material::default() },
         contact: Contact { method: ContactMethod::MultiPoint, ..Contact::default() },
-        load: Load { pressure_kpa },
+        load: Load { pressure_kpa, chamber_factor: None },
         obstacles: Vec::new(),
         probes: Vec::new(),
         solver: Solver::default(),

@@ -51,7 +51,7 @@ pub fn move_supports(problem: &mut Problem, displacement: &[f64]) {
 /// Two coarse chambers as in the theory with a given gap between their walls.
 pub fn two_chambers(size: [f64; 3], gap: f64, formulation: Formulation, method: ContactMethod) -> Problem {
     Problem::from_actuator(
-        &Actuator { gap, ..Actuator::two_chambers() },
+        &Actuator { gap: gap.into(), ..Actuator::two_chambers() },
         &MeshSize::per_axis(size),
         formulation,
         Material::default(),

@@ -137,6 +137,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("obstacle.factor", "factor at the end, or by time", ""),
     ("obstacle.report_force", "force on it in the results", ""),
     ("load.pressure_kpa", "pressures", "kPa"),
+    ("load.chamber_factor", "pressures in the chambers over these", ""),
     ("load.times", "times of the results", ""),
     ("mesh.resolution", "resolution", ""),
     ("mesh.element", "element", ""),

@@ -160,6 +160,7 @@ impl Collect<'_> {
             let volumes =
                 self.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
             let volumes: Vec<f64> = volumes.into_iter().map(|mm3| mm3 / LARGE).collect();
+            plots.extend(self.air_of_chambers()?);
             if self.report.summary.has_turned() {
                 let pressures = std::iter::once(0.0).chain(self.report.summary.reached().map(|(at, _)| at)).collect();
                 let over = Axis { name: "air volume".into(), unit: "cm³", values: volumes.clone() };
@@ -208,6 +209,21 @@ impl Collect<'_> {
 
     fn cavity_pressures(&self) -> Vec<Curve> {
         self.named(|reached| &reached.cavities, |cavity| cavity.pressure_kpa)
+    }
+
+    /// Pressure and growth in volume of the air of every chamber, where chambers have air of their own.
+    fn air_of_chambers(&self) -> Result<Vec<Plot>, ReportError> {
+        let pressures = self.cavity_pressures();
+        let mut growth = Vec::new();
+        for cavity in self.report.problem.cavities.iter().filter(|_| !pressures.is_empty()) {
+            let Some(at_rest) = measures::volume(self.report.problem, cavity, &self.rest)? else { continue };
+            let of = |reached: &Reached| Some(reached.cavities.get(&cavity.name)?.volume_mm3? - at_rest);
+            growth.extend(self.column(of).map(|values| Curve { name: cavity.name.clone(), values }));
+        }
+        Ok(grouped("Pressure", "kPa", pressures)
+            .into_iter()
+            .chain(grouped("Growth of volume", "mm³", growth))
+            .collect())
     }
 
     /// Pressure and volume of every cavity against time, or against each other where the volume is given or the path turned back.

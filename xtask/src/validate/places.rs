@@ -76,19 +76,24 @@ pub fn highest(solution: &Solution, actuator: &Actuator, pressure_kpa: f64) -> O
 
 /// The region of a reference position; `touching` are reference positions on slave walls.
 fn region(actuator: &Actuator, touching: &[[f64; 3]], [x, y, z]: [f64; 3]) -> Region {
+    let row = actuator.row();
     let wall = actuator.end_wall();
-    let pitch = actuator.chamber_length + actuator.gap;
-    // Gaps i = 0 and i = chambers lie before the first and behind the last chamber.
-    let gap = (((x - actuator.flange + 0.5 * actuator.gap + 0.5 * actuator.chamber_length) / pitch).floor()).max(0.0);
-    let before = actuator.flange + gap * pitch - actuator.gap;
-    let is_beside_gap = x > before - 1.25 * wall && x < before + actuator.gap + 1.25 * wall;
+    // Gaps 0 and `chambers` lie before the first and behind the last chamber; a position belongs to that between the middles beside it.
+    let gap = row.partition_point(|chamber| 0.5 * (chamber.start + chamber.end) <= x);
+    let left = gap.checked_sub(1).and_then(|left| row.get(left));
+    let (before, after) = match (left, row.get(gap)) {
+        (Some(left), Some(right)) => (left.end, right.start),
+        (Some(left), None) => (left.end, left.end),
+        (None, Some(right)) => (right.start, right.start),
+        (None, None) => return Region::Elsewhere,
+    };
+    let is_beside_gap = x > before - 1.25 * wall && x < after + 1.25 * wall;
     if !is_beside_gap {
         return Region::Elsewhere;
     }
-    let gap = gap as usize;
-    let is_between = gap > 0 && gap < actuator.chambers;
+    let is_between = gap > 0 && gap < row.len();
     let is_root = (z - actuator.base).abs() <= 1.25 * wall;
-    let touches = |p: &&[f64; 3]| (p[0] - before).abs() < 0.5 * actuator.gap && (p[1] - y).hypot(p[2] - z) <= wall;
+    let touches = |p: &&[f64; 3]| (p[0] - before).abs() < 0.5 * (after - before) && (p[1] - y).hypot(p[2] - z) <= wall;
     match (is_between, is_root) {
         (true, _) if touching.iter().any(|p| touches(&p)) => Region::Contact { gap },
         (true, true) => Region::RootBetween { gap },
@@ -98,7 +103,9 @@ fn region(actuator: &Actuator, touching: &[[f64; 3]], [x, y, z]: [f64; 3]) -> Re
 }
 
 fn describe(actuator: &Actuator, region: Region, [x, y, z]: [f64; 3]) -> String {
-    let chamber = ((x - actuator.flange) / (actuator.chamber_length + actuator.gap)).floor().max(0.0) as usize + 1;
+    let row = actuator.row();
+    let chamber = row.partition_point(|chamber| chamber.start <= x).max(1);
+    let Some(walls) = row.get(chamber - 1) else { return String::new() };
     match region {
         Region::Contact { gap } => format!("contact area of chambers {gap} and {}", gap + 1),
         Region::RootBetween { gap } => {
@@ -108,10 +115,10 @@ fn describe(actuator: &Actuator, region: Region, [x, y, z]: [f64; 3]) -> String 
         }
         Region::OuterRoot => format!("root of the outer wall of chamber {chamber}"),
         Region::Elsewhere => {
-            let inner_side = 0.5 * actuator.width - actuator.side_wall;
-            let what = if z >= actuator.height - 1.5 * actuator.top_wall {
+            let inner_side = 0.5 * actuator.width - walls.side_wall;
+            let what = if z >= actuator.height - 1.5 * walls.top_wall {
                 "top wall"
-            } else if y.abs() >= inner_side - 0.5 * actuator.side_wall {
+            } else if y.abs() >= inner_side - 0.5 * walls.side_wall {
                 "side wall"
             } else if z <= actuator.base + 0.5 {
                 "base, cavity floor or channel"

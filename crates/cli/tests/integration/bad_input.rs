@@ -239,6 +239,18 @@ fn changes_on_the_command_line() {
         &["mesh.sise=2"],
         &["--set mesh.sise=2", "unknown key `mesh.sise`", "did you mean `size`?"],
     );
+    refused(
+        "set-entry",
+        same,
+        &["actuator.gap[2]=1"],
+        &["--set actuator.gap[2]=1: actuator.gap[2] cannot be set", "entries from 1 to 1"],
+    );
+    refused(
+        "set-entry-range",
+        same,
+        &["actuator.top_wall[2]=-1"],
+        &["--set actuator.top_wall[2]=-1: actuator.top_wall[2] = -1"],
+    );
     refused("set-form", same, &["actuator.gap"], &["--set actuator.gap: expected KEY=VALUE"]);
     refused("set-word", same, &["mesh.element=hex9"], &["--set mesh.element=hex9", "hex8-q1p0"]);
     refused("set-odd", same, &["a b=1"], &["--set a b=1", "`a b` is not a key"]);

@@ -64,3 +64,19 @@ fn chambers_without_a_gap_have_no_rod() {
     assert!(ended.code == 2 && ended.err.contains("actuator.gap = 0"), "{ended:?}");
     assert!(scratch.listing().is_empty(), "{:?}", scratch.listing());
 }
+
+/// A rod is what two chambers are that are repeated all along it.
+#[test]
+fn chambers_that_differ_have_no_rod() {
+    let scratch = Scratch::new("rod-different");
+    let differing = ["actuator.top_wall[2]=0.8", "actuator.chamber_length=[8, 9]", "actuator.side_wall=[1, 1.5]"];
+    for set in differing {
+        let ended = scratch.run(&["rod", &fixture("two_chamber_coarse.toml"), "--set", set]);
+        let key = set.split(['=', '[']).next().unwrap();
+        assert!(ended.code == 2 && ended.err.contains(&format!("{key} differs from chamber to chamber")), "{ended:?}");
+    }
+    let apart = ["--set", "actuator.channel.half_width=0", "--set", "load.chamber_factor=[1, 0.5]"];
+    let ended = scratch.run(&[&["rod", &fixture("two_chamber_coarse.toml")], &apart[..]].concat());
+    assert!(ended.code == 2 && ended.err.contains("load.chamber_factor: a rod has one pressure"), "{ended:?}");
+    assert!(scratch.listing().is_empty(), "{:?}", scratch.listing());
+}

@@ -15,7 +15,7 @@ const PRESSURES: [f64; 5] = [5.0, 15.0, 25.0, 35.0, 50.0];
 /// A closed cavity has no resultant, and neither has contact: nothing but the clamp acts along x and z.
 #[test]
 fn the_clamp_carries_nothing_along_x_and_z() {
-    let full = Actuator { gap: 0.6, ..Actuator::full() };
+    let full = Actuator { gap: 0.6.into(), ..Actuator::full() };
     let element = Formulation::Hex8Q1p0;
     for method in METHODS {
         let chambers = coarse_chambers(element, Invariant::Isochoric, method);
@@ -87,7 +87,7 @@ fn work_of_the_pressure_is_stored_as_energy() {
 #[test]
 fn the_whole_body_moves_as_its_half() {
     let half = coarse_chambers(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::MultiPoint);
-    let actuator = Actuator { gap: 0.3, part: Part::Whole, ..Actuator::two_chambers() };
+    let actuator = Actuator { gap: 0.3.into(), part: Part::Whole, ..Actuator::two_chambers() };
     let whole = actuator_problem(
         &actuator,
         [4.0, 5.0, 4.5],

@@ -30,7 +30,7 @@ pub fn actuator_problem(
 
 /// Two coarse chambers, 858 unknowns, whose gap is so narrow that their upper edges touch between 5 and 20 kPa.
 pub fn coarse_chambers(formulation: Formulation, invariant: Invariant, method: ContactMethod) -> Problem {
-    let actuator = Actuator { gap: 0.3, ..Actuator::two_chambers() };
+    let actuator = Actuator { gap: 0.3.into(), ..Actuator::two_chambers() };
     actuator_problem(&actuator, [4.0, 5.0, 4.5], formulation, invariant, method)
 }
 

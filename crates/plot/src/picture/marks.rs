@@ -15,7 +15,7 @@ use super::view::unit;
 /// The place of a gap where its walls are nearest, or deepest in each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Number of the gap, from 0: the index of its contact pair.
+    /// Index of its contact pair, from 0.
     pub gap: usize,
     /// Deformed position on the slave wall, mm.
     pub position: [f64; 3],

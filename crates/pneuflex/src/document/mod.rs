@@ -6,6 +6,7 @@
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.
 
+mod entry;
 mod repair;
 mod suggest;
 
@@ -54,7 +55,7 @@ pub type CaseFile = Written<Case>;
 /// Another value for a key of a case or model file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// The key, e.g. `actuator.gap`.
+    /// The key, e.g. `actuator.gap`, or `actuator.gap[3]` for one entry, from 1, of what may be given for every chamber.
     pub key: String,
     /// The value in TOML; what is no TOML is taken as a text without quotes.
     pub value: String,
@@ -70,7 +71,7 @@ impl Change {
     /// or of a size of the mesh where this one asks for a resolution.
     pub fn replaces(&self, earlier: &Self) -> bool {
         let (key, old) = (self.key.trim(), earlier.key.trim());
-        let is_within = old.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let is_within = old.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
         is_within || key == "mesh.resolution" && SIZES.iter().any(|size| old == format!("mesh.{size}"))
     }
 }
@@ -105,6 +106,8 @@ struct Text {
     text: Arc<str>,
     /// Number of names of the key that a change sets.
     depth: usize,
+    /// The key of a list and the number of the entry that a change sets, from 1; `None` if it sets the key as a whole.
+    entry: Option<(String, usize)>,
 }
 
 /// Where a key and its value stand.
@@ -130,13 +133,13 @@ impl<T: Document> Written<T> {
     /// As there.
     pub fn from_text(path: &Path, text: impl Into<Arc<str>>, changes: &[Change]) -> Result<Self, Vec<InputError>> {
         let name = path.display().to_string();
-        let file = Text { name, origin: Origin::File, start: 0, text: text.into(), depth: 0 };
+        let file = Text { name, origin: Origin::File, start: 0, text: text.into(), depth: 0, entry: None };
         let mut sources = Sources { texts: vec![file] };
         for change in changes {
             sources.push_change(change)?;
         }
         let padded: Vec<String> =
-            sources.texts[1..].iter().map(|t| format!("{}{}", " ".repeat(t.start), t.text)).collect();
+            sources.texts[1..].iter().map(|t| format!("{}{}", " ".repeat(t.start), t.parsed())).collect();
         let syntax = |error: &toml::de::Error| {
             let place = error.span().map(|span| sources.place(span));
             InputError::new(format!("not valid TOML: {}", plain_types(&one_line(error.message())))).at(place)
@@ -147,8 +150,14 @@ impl<T: Document> Written<T> {
         if changes.iter().any(|change| of_mesh(change).is_some_and(|mesh| mesh.contains_key("resolution"))) {
             make_way_for_resolution(document.get_mut());
         }
-        for (change, text) in changes.into_iter().zip(&sources.texts[1..]) {
+        let (of_entries, of_keys): (Vec<_>, Vec<_>) =
+            changes.into_iter().zip(&sources.texts[1..]).partition(|(_, text)| text.entry.is_some());
+        for (change, text) in of_keys {
             set(document.get_mut(), change, text.depth);
+        }
+        // Behind the others, whatever their order: an entry is one of the list, and of as many chambers, as they leave.
+        for (change, text) in of_entries {
+            text.set_entry(document.get_mut(), change)?;
         }
         let mut keys = Vec::new();
         collect(document.get_ref(), "", &mut keys);
@@ -232,15 +241,19 @@ impl Sources {
         // A value that is no TOML is a bare string, as in `mesh.element=hex8-q1p0`.
         let plain = change.to_string();
         let quoted = format!("{key}={}", toml::Value::from(value.trim()));
-        let text = [plain, quoted].into_iter().find(|text| DeTable::parse(text).is_ok());
+        let entry = entry::split(key).map(|(list, number)| (list.to_owned(), number));
+        let brackets = entry.as_ref().map(|_| entry::brackets(key));
+        let is_toml = |text: &String| DeTable::parse(&blanked(text, brackets.clone())).is_ok();
+        let text = [plain, quoted].into_iter().find(is_toml);
         let start = self.texts.last().map_or(0, |t| t.start + t.text.len() + 1);
         let Some(text) = text.filter(|_| !key.trim().is_empty() && !value.trim().is_empty()) else {
             let (name, text) = (change.to_string(), Arc::from(change.to_string()));
             let place = Place::new(&name, Origin::Change, text, 0..key.len());
             return Err(InputError::new(format!("`{}` is not a key", key.trim())).of_key(key).at(Some(place)));
         };
-        let (name, depth) = (change.to_string(), names_of(key));
-        self.texts.push(Text { name, origin: Origin::Change, start, text: text.into(), depth });
+        let depth = names_of(entry.as_ref().map_or(key.as_str(), |(list, _)| list));
+        let name = change.to_string();
+        self.texts.push(Text { name, origin: Origin::Change, start, text: text.into(), depth, entry });
         Ok(())
     }
 
@@ -248,6 +261,33 @@ impl Sources {
         let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
         let Text { name, origin, start, text, .. } = &self.texts[index];
         Place::new(name, *origin, text.clone(), span.start - start..span.end.max(span.start) - start)
+    }
+}
+
+/// A text with blanks in the place of some of its bytes.
+fn blanked(text: &str, range: Option<Range<usize>>) -> String {
+    let Some(range) = range else { return text.to_owned() };
+    format!("{}{}{}", &text[..range.start], " ".repeat(range.len()), &text[range.end..])
+}
+
+impl Text {
+    /// What of it is TOML: the number of an entry is not.
+    fn parsed(&self) -> String {
+        let brackets = self.entry.as_ref().map(|_| entry::brackets(self.text.split('=').next().unwrap_or_default()));
+        blanked(&self.text, brackets)
+    }
+
+    /// Sets the entry that it is about to the value in `change`.
+    fn set_entry<'a>(&self, document: &mut DeTable<'a>, mut change: DeTable<'a>) -> Result<(), InputError> {
+        let Some((list, number)) = &self.entry else { return Ok(()) };
+        let key = format!("{list}[{number}]");
+        let (table, name) = list.split_once('.').unwrap_or(("", list));
+        let Some(DeValue::Table(mut inner)) = change.remove(table).map(Spanned::into_inner) else { return Ok(()) };
+        let Some(value) = inner.remove(name) else { return Ok(()) };
+        entry::set(document, (list, *number), value).map_err(|why| {
+            let place = Place::new(&self.name, self.origin, self.text.clone(), 0..key.len());
+            InputError::new(format!("{key} cannot be set: {why}")).of_key(&key).at(Some(place))
+        })
     }
 }
 
@@ -321,8 +361,10 @@ fn collect_value(value: &Spanned<DeValue<'_>>, path: &str, keys: &mut Vec<Key>) 
     match value.get_ref() {
         DeValue::Table(table) => collect(table, path, keys),
         DeValue::Array(entries) => {
+            // Chambers and gaps have numbers from 1.
+            let first = usize::from(entry::is_per_chamber(path));
             for (i, entry) in entries.iter().enumerate() {
-                let path = format!("{path}[{i}]");
+                let path = format!("{path}[{}]", first + i);
                 collect_value(entry, &path, keys);
                 keys.push(Key { path, key: entry.span(), value: entry.span() });
             }

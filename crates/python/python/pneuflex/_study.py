@@ -18,7 +18,7 @@ from ._errors import InputError, NotConverged
 from ._materials import as_material
 from ._mesh import STABLE, VTK_CELLS, parts_of
 from ._result import Hearing, Result, State, _Body, follow, positions
-from ._toml import flat, to_toml
+from ._toml import PER_CHAMBER, flat, to_toml
 
 Keys = Mapping[str, Any]
 
@@ -154,13 +154,23 @@ class Study:
         return self
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key, with defaults filled in, e.g. ``case["actuator.gap"]``."""
+        """The value of a key, with defaults filled in, e.g. ``case["actuator.gap"]``, or of one chamber, ``case["actuator.gap[3]"]``."""
         value: Any = self.values
-        for name in str(key).split("."):
+        name_of_list, _, number = str(key).removesuffix("]").partition("[")
+        for name in name_of_list.split("."):
             if not isinstance(value, dict) or name not in value:
                 raise KeyError(key)
             value = value[name]
-        return value
+        if not number:
+            return value
+        # One of what may be given for every chamber, from 1; a number is that of all of them.
+        if name_of_list not in PER_CHAMBER or not number.isdecimal():
+            raise KeyError(key)
+        chambers = int(self.values["actuator"]["chambers"])
+        each = value if isinstance(value, list) else [value] * (chambers - (name_of_list == "actuator.gap"))
+        if not 1 <= int(number) <= len(each):
+            raise KeyError(key)
+        return each[int(number) - 1]
 
     @property
     def values(self) -> dict[str, Any]:
@@ -319,16 +329,17 @@ class Case(Study):
         chambers: int,
         *,
         pressures: ArrayLike | None = None,
-        chamber_length: float | None = None,
-        cavity_length: float | None = None,
-        gap: float | None = None,
+        chamber_factor: ArrayLike | None = None,
+        chamber_length: ArrayLike | None = None,
+        cavity_length: ArrayLike | None = None,
+        gap: ArrayLike | None = None,
         flange: float | None = None,
         width: float | None = None,
         height: float | None = None,
         base: float | None = None,
         cavity_floor: float | None = None,
-        side_wall: float | None = None,
-        top_wall: float | None = None,
+        side_wall: ArrayLike | None = None,
+        top_wall: ArrayLike | None = None,
         channel: Keys | None = None,
         part: str | None = None,
         material: str | Keys | None = None,
@@ -348,15 +359,19 @@ class Case(Study):
             Number of chambers.
         pressures
             Air pressures at which results are wanted, kPa, increasing; 5, 15, 25, 35 and 50 unless told otherwise.
+        chamber_factor
+            Pressures in the chambers over these, one number for each chamber, for chambers that no channel joins (``channel``); negative for
+            a vacuum.
         chamber_length, cavity_length
-            Outer length of a chamber and length of its cavity, mm; the end walls share the rest.
+            Outer length of a chamber and length of its cavity, mm; the end walls share the rest. One number for all chambers, or one for
+            each.
         gap
-            Between neighbouring chambers, mm.
+            Between neighbouring chambers, mm; one number for all gaps, or one for each.
         flange
             Base beyond the first and the last chamber, mm; 0 for none.
         width, height, base, cavity_floor, side_wall, top_wall
             Whole width and height; thickness of the base, height of the cavities' floor (the top of the base unless told otherwise),
-            thickness of side and top walls, mm.
+            thickness of side and top walls (one number for all chambers, or one for each), mm.
         channel
             Air channel in the base: ``half_width``, ``bottom``, ``top``, mm; ``{"half_width": 0, ...}`` for none.
         part
@@ -388,6 +403,8 @@ class Case(Study):
         keys |= {"title": title, "probe": _tables(probes, "probes")}
         if pressures is not None:
             keys["load.pressure_kpa"] = listed(pressures, "pressures")
+        if chamber_factor is not None:
+            keys["load.chamber_factor"] = chamber_factor
         if material is not None:
             keys["material"] = as_material(material)
         if mesh is not None:

@@ -60,3 +60,13 @@ def flat(keys: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 TABLES = ("actuator", "mesh", "contact", "load", "solver", "output", "model")
 """Tables of which the keys that are given are set, and the others keep their values; a material is replaced as a whole."""
+
+PER_CHAMBER = (
+    "actuator.chamber_length",
+    "actuator.cavity_length",
+    "actuator.gap",
+    "actuator.side_wall",
+    "actuator.top_wall",
+    "load.chamber_factor",
+)
+"""Keys that may have an entry for every chamber, such as ``actuator.gap[3]``."""

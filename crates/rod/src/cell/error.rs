@@ -15,6 +15,17 @@ pub enum CellError {
         "actuator.gap = 0: a rod is identified from chambers that only the base joins, and these share a wall; give a gap"
     )]
     NoGap,
+    /// Its chambers are not alike.
+    #[error(
+        "actuator.{key} differs from chamber to chamber: a rod is identified from two chambers that are repeated all along it; give one number for all"
+    )]
+    Differ {
+        /// The first length that differs.
+        key: &'static str,
+    },
+    /// The air of its chambers has pressures of their own.
+    #[error("load.chamber_factor: a rod has one pressure all along it; leave it out")]
+    OwnPressures,
     /// Its equations cannot be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -47,4 +58,17 @@ pub enum CellError {
     /// The middles of the chambers lie beyond the mesh.
     #[error("the mesh does not reach the chambers' middles")]
     ShortMesh,
+}
+
+impl CellError {
+    /// The key of the case that it is about, if it is about one.
+    pub fn key(&self) -> Option<String> {
+        match self {
+            Self::Geometry(error) => Some(format!("actuator.{}", error.key)),
+            Self::NoGap => Some("actuator.gap".into()),
+            Self::Differ { key } => Some(format!("actuator.{key}")),
+            Self::OwnPressures => Some("load.chamber_factor".into()),
+            _ => None,
+        }
+    }
 }

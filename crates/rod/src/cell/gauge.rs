@@ -17,11 +17,9 @@ pub struct Gauge {
 impl Gauge {
     /// In the middles of the chambers of a cell.
     pub fn new(actuator: &Actuator) -> Self {
-        let first = actuator.flange + 0.5 * actuator.chamber_length;
-        Self {
-            stations: [first, first + actuator.chamber_length + actuator.gap],
-            base: actuator.base.min(actuator.floor()),
-        }
+        let row = actuator.row();
+        let middle = |i: usize| row.get(i).map_or(f64::NAN, |chamber| 0.5 * (chamber.start + chamber.end));
+        Self { stations: [middle(0), middle(1)], base: actuator.base.min(actuator.floor()) }
     }
 
     fn length(&self) -> f64 {

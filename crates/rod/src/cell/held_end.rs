@@ -172,9 +172,9 @@ mod tests {
         let actuator = Actuator {
             width: 2.0,
             height: 4.1,
-            cavity_length: 0.2,
-            side_wall: 0.8,
-            top_wall: 0.05,
+            cavity_length: 0.2.into(),
+            side_wall: 0.8.into(),
+            top_wall: 0.05.into(),
             channel: Channel { half_width: 0.0, bottom: 2.0, top: 3.0 },
             ..Actuator::two_chambers()
         };

@@ -19,7 +19,7 @@ mod gauge;
 mod held_end;
 mod plane;
 
-use pneuflex_mesh::Actuator;
+use pneuflex_mesh::{Actuator, PerChamber};
 use pneuflex_model::{Case, ContactMethod, Problem, Solver};
 use pneuflex_newton::{ConvergedState, Path};
 use pneuflex_post::penetration;
@@ -62,20 +62,38 @@ pub struct Cell {
 /// outer walls and clamped there, the cell bends 10 % less than a chamber within a row.
 ///
 /// # Errors
-/// Chambers without a gap.
-pub fn cell_of(actuator: &Actuator) -> Result<Actuator, CellError> {
-    if actuator.gap == 0.0 {
+/// Chambers that differ in a length or their pressure: nothing is repeated along the rod. Chambers without a gap.
+pub fn cell_of(case: &Case) -> Result<Actuator, CellError> {
+    let actuator = &case.actuator;
+    let one = |key: &'static str, value: &PerChamber| {
+        // Of a single chamber there may be a list without a gap.
+        value.common().ok_or(if value.is_varied() { CellError::Differ { key } } else { CellError::NoGap })
+    };
+    if case.load.chamber_factor.as_ref().is_some_and(|factor| factor.common() != Some(1.0)) {
+        return Err(CellError::OwnPressures);
+    }
+    let gap = one("gap", &actuator.gap)?;
+    if gap == 0.0 {
         return Err(CellError::NoGap);
     }
-    Ok(Actuator { chambers: 2, flange: 0.5 * actuator.gap, ..actuator.clone() })
+    Ok(Actuator {
+        chambers: 2,
+        chamber_length: one("chamber_length", &actuator.chamber_length)?.into(),
+        cavity_length: one("cavity_length", &actuator.cavity_length)?.into(),
+        gap: gap.into(),
+        flange: 0.5 * gap,
+        side_wall: one("side_wall", &actuator.side_wall)?.into(),
+        top_wall: one("top_wall", &actuator.top_wall)?.into(),
+        ..actuator.clone()
+    })
 }
 
 /// Takes the samples from the case's actuator.
 ///
 /// # Errors
-/// Lengths that make no body, chambers without a gap, or a state that is not reached.
+/// Lengths that make no body, chambers that differ or have no gap, or a state that is not reached.
 pub fn sample(case: &Case, progress: &mut dyn FnMut(&str)) -> Result<Cell, CellError> {
-    let cell = cell_of(&case.actuator)?;
+    let cell = cell_of(case)?;
     let problem = Problem::from_actuator(
         &cell,
         &case.mesh.mesh_size(&case.actuator),

@@ -5,7 +5,7 @@
 
 use pneuflex::mesh::lattice::Lattice;
 use pneuflex::mesh::testing::mixed;
-use pneuflex::mesh::{Actuator, Channel, ElementKind, Facet, Mesh, Part};
+use pneuflex::mesh::{Actuator, Channel, ElementKind, Facet, Mesh, Part, PerChamber};
 use pneuflex::model::model_file::{
     CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Source,
     Steps, SupportTable, Times, TractionTable,
@@ -165,21 +165,50 @@ fn with_continuation(min_step: Option<f64>) -> Steps {
 }
 
 fn actuator(dice: &mut Dice) -> Actuator {
-    let chambers = dice.one_of(&[1, 2]);
+    let chambers = dice.one_of(&[1, 1, 2, 2, 2, 3]);
+    let is_varied = dice.chance(0.35);
+    // Chambers that differ do so by a quarter: elements between planes that are closer have too little left of their digits.
+    let each = |dice: &mut Dice, count: usize, number: f64| -> PerChamber {
+        match is_varied && dice.chance(0.6) {
+            true => (0..count).map(|_| number * dice.one_of(&[1.0, 0.75])).collect::<Vec<f64>>().into(),
+            false => number.into(),
+        }
+    };
     let cavity_length = dice.between(4.0, 7.0);
     let has_channel = dice.chance(0.8);
     Actuator {
         chambers,
-        chamber_length: cavity_length + dice.between(1.5, 3.0),
-        cavity_length,
-        gap: if dice.chance(0.15) { 0.0 } else { dice.between(0.5, 2.5) },
+        chamber_length: {
+            let longest = cavity_length + dice.between(1.5, 3.0);
+            // Around every cavity, also the longest in the shortest chamber.
+            let shortest = cavity_length + 1.0;
+            match is_varied && dice.chance(0.6) {
+                true => (0..chambers).map(|_| dice.one_of(&[longest, shortest])).collect::<Vec<f64>>().into(),
+                false => longest.into(),
+            }
+        },
+        cavity_length: each(dice, chambers, cavity_length),
+        gap: match (is_varied && dice.chance(0.6), dice.chance(0.15)) {
+            (true, _) => {
+                let gaps = [0.0, dice.between(0.5, 1.2), dice.between(1.3, 2.5)];
+                (1..chambers).map(|_| dice.one_of(&gaps)).collect::<Vec<f64>>().into()
+            }
+            (false, true) => 0.0.into(),
+            (false, false) => dice.between(0.5, 2.5).into(),
+        },
         flange: dice.one_of(&[0.0, 2.0]),
         width: dice.between(12.0, 20.0),
         height: dice.between(9.0, 13.0),
         base: dice.between(3.0, 4.5),
         cavity_floor: dice.maybe(0.2, |dice| dice.between(4.6, 5.5)),
-        side_wall: dice.between(1.0, 2.0),
-        top_wall: dice.between(1.0, 2.0),
+        side_wall: {
+            let wall = dice.between(1.0, 2.0);
+            each(dice, chambers, wall)
+        },
+        top_wall: {
+            let wall = dice.between(1.0, 2.0);
+            each(dice, chambers, wall)
+        },
         channel: Channel { half_width: if has_channel { 1.0 } else { 0.0 }, bottom: 1.0, top: 2.0 },
         part: dice.one_of(&[Part::Half, Part::Half, Part::Whole]),
     }
@@ -305,6 +334,16 @@ fn probes(dice: &mut Dice, [low, high]: [[f64; 3]; 2]) -> Vec<Probe> {
     (0..count).map(|i| Probe { name: format!("probe {i}"), at: at(0.97 - 0.53 * f64::from(i)) }).collect()
 }
 
+/// Pressures of their own, where no channel joins the chambers.
+fn chamber_factor(dice: &mut Dice, actuator: &Actuator) -> Option<PerChamber> {
+    if actuator.has_channel() || dice.chance(0.4) {
+        return None;
+    }
+    let mut list = vec![1.0];
+    list.extend((1..actuator.chambers).map(|_| dice.one_of(&[1.0, 0.5, 0.0, -0.3])));
+    Some(if dice.chance(0.2) { 0.7.into() } else { list.into() })
+}
+
 fn case(dice: &mut Dice, scale: Scale) -> Case {
     let actuator = actuator(dice);
     let material = material(dice);
@@ -337,7 +376,10 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         },
         obstacles: (0..count).map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone())).collect(),
-        load: Load { pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] } },
+        load: Load {
+            pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] },
+            chamber_factor: chamber_factor(dice, &actuator),
+        },
         probes: probes(dice, extent),
         solver: Solver {
             tolerance: TOLERANCE,
@@ -374,7 +416,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
     let count = dice.one_of(&[0, 0, 1]);
     let mesh = mesh_options(dice, scale);
     let target = Target::new(extent, edge(&mesh));
-    let gaps = actuator.gaps();
+    let first_gap = (1..actuator.chambers).find(|gap| actuator.gap.at(gap - 1) > 0.0);
     // Without a channel every chamber may have air of its own.
     let has_own_air = !actuator.has_channel() && dice.chance(0.6);
     let cavities = match (has_air, has_own_air) {
@@ -424,8 +466,9 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         actuator: Some(actuator),
     };
     // How stiffly the walls of the first gap are kept apart.
-    if gaps > 0 {
-        model.contacts = dice.maybe(0.3, |dice| contact_table(dice, "gap_1_left", "gap_1_right")).into_iter().collect();
+    if let Some(gap) = first_gap {
+        let [left, right] = ["left", "right"].map(|side| format!("gap_{gap}_{side}"));
+        model.contacts = dice.maybe(0.3, |dice| contact_table(dice, &left, &right)).into_iter().collect();
     }
     model
 }

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pneuflex::mesh::{Part, ReferenceBody};
+use pneuflex::mesh::{Actuator, Part, PerChamber, ReferenceBody};
 use pneuflex::model::model_file::{
     CavityTable, ContactTable, ForceTable, Model, PressureTable, RegionTable, Series, Source, Steps, SupportTable,
     Times, TractionTable,
@@ -55,7 +55,7 @@ pub struct Checked {
 }
 
 /// All relations.
-pub const ALL: [Relation; 19] = [
+pub const ALL: [Relation; 21] = [
     Relation { name: "text and memory", check: in_memory },
     Relation { name: "text and deck", check: as_deck },
     Relation { name: "text and mesh of Gmsh in m", check: as_gmsh },
@@ -63,6 +63,8 @@ pub const ALL: [Relation; 19] = [
     Relation { name: "text and resolved text", check: resolved },
     Relation { name: "case and model", check: case_as_model },
     Relation { name: "actuator and its mesh", check: actuator_as_mesh },
+    Relation { name: "number and equal entries", check: number_as_list },
+    Relation { name: "air in common and in chambers", check: air_of_chambers },
     Relation { name: "half and whole", check: half_as_whole },
     Relation { name: "half that stands for no whole", check: refused_half },
     Relation { name: "turned by 90 degrees", check: turned },
@@ -155,6 +157,7 @@ fn case_as_model(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     let contact = Contact::of_actuator(&case.material, &case.actuator);
     let with_default = Case { contact, ..(**case).clone() };
     let end = case.load.pressure_kpa.last().copied()?;
+    let chambers = case.actuator.chambers;
     let Case { title, actuator, mesh, material, contact: _, obstacles, load, probes, solver, output } =
         with_default.clone();
     let second = Model {
@@ -162,7 +165,14 @@ fn case_as_model(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         actuator: Some(actuator),
         mesh,
         material: Some(material),
-        cavities: vec![pressure("air", "cavity", end)],
+        cavities: match &load.chamber_factor {
+            None => vec![pressure("air", "cavity", end)],
+            Some(factor) => (0..chambers)
+                .map(|i| format!("cavity_{}", i + 1))
+                .enumerate()
+                .map(|(i, name)| pressure(&name, &name, factor.at(i) * end))
+                .collect(),
+        },
         obstacles,
         load: Some(Times { times: load.pressure_kpa }),
         probes,
@@ -212,7 +222,8 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     if !problem.symmetry.is_empty() {
         supports.push(support("symmetry", "y", true));
     }
-    let gaps = actuator.actuator.as_ref()?.gaps();
+    let chambers = actuator.actuator.as_ref()?.chambers;
+    let has_walls = |i: &usize| problem.mesh.facet_sets.contains_key(&format!("gap_{i}_left"));
     // A table of a gap says of it what there is to say.
     let gap = |i: usize| ContactTable {
         slave: format!("gap_{i}_left"),
@@ -225,6 +236,8 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     };
     let is_said = |gap: &ContactTable| actuator.contacts.iter().any(|said| said.slave == gap.slave);
     let contacts = actuator.contacts.iter().cloned().map(|mut table| {
+        // Without them an actuator's gaps have other defaults than surfaces of a mesh.
+        table.method = table.method.or(Some(problem.contact.method));
         table.stiffness = table.stiffness.or(Some(problem.contact.stiffness));
         table
     });
@@ -239,7 +252,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         mesh: MeshOptions::default(),
         material: Some(problem.material.clone()),
         supports: supports.into_iter().chain(actuator.supports.clone()).collect(),
-        contacts: (1..=gaps).map(gap).filter(|gap| !is_said(gap)).chain(contacts).collect(),
+        contacts: (1..chambers).filter(has_walls).map(gap).filter(|gap| !is_said(gap)).chain(contacts).collect(),
         obstacles,
         ..(**actuator).clone()
     };
@@ -247,6 +260,51 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     // Warnings of an actuator go by its walls, those of a mesh by its elements.
     let rule = Rule { has_same_warnings: false, ..Rule::same(SAME) };
     first.against(&model(second, Some(&body)), &rule)
+}
+
+/// A number is a list of as many equal entries, and the other way round: the same mesh and the same equations, to the last bit.
+fn number_as_list(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
+    let other = |value: &mut PerChamber, count: usize| {
+        *value = match value {
+            PerChamber::All(number) => vec![*number; count].into(),
+            PerChamber::Each(_) => value.common().map_or_else(|| value.clone(), PerChamber::from),
+        };
+    };
+    let rewrite = |actuator: &mut Actuator| {
+        let n = actuator.chambers;
+        other(&mut actuator.chamber_length, n);
+        other(&mut actuator.cavity_length, n);
+        other(&mut actuator.gap, n - 1);
+        other(&mut actuator.side_wall, n);
+        other(&mut actuator.top_wall, n);
+    };
+    let second = match first.draw {
+        Draw::Case(case) => {
+            let mut case = case.clone();
+            rewrite(&mut case.actuator);
+            let n = case.actuator.chambers;
+            case.load.chamber_factor.iter_mut().for_each(|factor| other(factor, n));
+            Draw::Case(case)
+        }
+        Draw::Model(old, None) => {
+            let mut new = old.clone();
+            rewrite(new.actuator.as_mut()?);
+            Draw::Model(new, None)
+        }
+        Draw::Model(_, Some(_)) => return None,
+    };
+    first.against(&second, &Rule::same(0.0))
+}
+
+/// Where no channel joins the chambers, air of one pressure in all of them is air of that pressure in each.
+fn air_of_chambers(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
+    let Draw::Case(case) = first.draw else { return None };
+    if case.actuator.has_channel() || case.load.chamber_factor.is_some() {
+        return None;
+    }
+    let mut second = case.clone();
+    second.load.chamber_factor = Some(1.0.into());
+    first.against(&Draw::Case(second), &Rule::same(SAME))
 }
 
 /// What is symmetric moves symmetrically (away from bifurcations): the half with its plane held is the whole, whose loads are twice those of
@@ -480,6 +538,10 @@ fn set_in_any_order(first: &First<'_>, dice: &mut Dice) -> Option<Checked> {
     let mut changes = Vec::new();
     flatten(&other.parse::<toml::Table>().ok()?, "", &mut changes);
     changes.retain(|change| !change.key.starts_with("model."));
+    if first.draw.kind() != "block" {
+        changes.push(Change::new("actuator.top_wall[1]", "1.7"));
+        changes.push(Change::new("actuator.gap[1]", "0.8"));
+    }
     changes.push(Change::new("mesh.resolution", "draft"));
     changes.push(Change::new("mesh.element", "hex8-q1p0"));
     let mut chosen: Vec<Change> = Vec::new();

@@ -1,5 +1,6 @@
 //! Making a problem smaller for which a relation fails: what can be left out without mending it is left out.
 
+use pneuflex::mesh::Actuator;
 use pneuflex::model::model_file::{Model, Steps};
 use pneuflex::model::{Case, Contact, Law, Material, Series};
 
@@ -34,7 +35,12 @@ fn smaller_cases(case: &Case) -> Vec<Case> {
     less(&|case| {
         case.load.pressure_kpa.drain(..case.load.pressure_kpa.len() - 1);
     });
-    less(&|case| case.actuator.chambers = 1);
+    less(&|case| case.load.chamber_factor = None);
+    less(&|case| alike(&mut case.actuator));
+    less(&|case| {
+        alike(&mut case.actuator);
+        (case.actuator.chambers, case.load.chamber_factor) = (1, None);
+    });
     less(&|case| case.actuator.flange = 0.0);
     found
 }
@@ -46,6 +52,7 @@ fn smaller_models(model: &Model) -> Vec<Model> {
         change(&mut new);
         found.push(new);
     };
+    less(&|model| model.actuator.iter_mut().for_each(alike));
     less(&|model| model.probes.clear());
     less(&|model| model.regions.clear());
     less(&|model| model.equations.clear());
@@ -101,6 +108,15 @@ fn smaller_models(model: &Model) -> Vec<Model> {
         }
     });
     found
+}
+
+/// All chambers are like the first.
+fn alike(actuator: &mut Actuator) {
+    let Actuator { chamber_length, cavity_length, gap, side_wall, top_wall, .. } = actuator;
+    for value in [chamber_length, cavity_length, gap, side_wall, top_wall] {
+        // There is no gap behind a single chamber.
+        *value = value.entries().first().copied().unwrap_or(1.0).into();
+    }
 }
 
 /// The plainest material of the same stiffness.
