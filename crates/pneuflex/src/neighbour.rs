@@ -42,5 +42,5 @@ impl Neighbour {
 
 fn topology(mesh: &Mesh) -> u64 {
     let nodes: Vec<u8> = mesh.connectivity.iter().flat_map(|node| node.to_le_bytes()).collect();
-    checksum(&[format!("{:?} {} ", mesh.kind, mesh.num_nodes()).as_bytes(), &nodes].concat())
+    checksum(&[format!("{:?} {} ", mesh.kinds, mesh.num_nodes()).as_bytes(), &nodes].concat())
 }

@@ -192,7 +192,7 @@ impl Mixed for Solid {
     }
 
     fn num_stored(&self) -> usize {
-        self.reference.num_modes * self.mesh.num_elements()
+        self.num_modes * self.mesh.num_elements()
     }
 
     fn stored(&self) -> &[f64] {
