@@ -190,11 +190,8 @@ impl Default for Solver {
 impl Output {
     pub(crate) fn check(&self, found: &mut Problems) {
         if self.points && !self.fields {
-            found.add(
-                "output.points",
-                &true,
-                "is not for output.fields = false: the points go into a file beside the fields",
-            );
+            let why = "the points go into files beside the fields, which output.fields = false leaves out";
+            found.add("output.points", &true, why);
         }
     }
 }
