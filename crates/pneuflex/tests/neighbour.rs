@@ -11,7 +11,7 @@ fn solve(study: &Study, neighbour: Option<Neighbour>) -> Result<Solution, Error>
 }
 
 fn chambers(changes: &[(&str, &str)]) -> Study {
-    let mut study = Study::from_text("case.toml", &template::actuator(3)).unwrap();
+    let mut study = Study::from_text("case.toml", &template::actuator(2)).unwrap();
     let common = [("mesh.resolution", "\"draft\""), ("load.pressure_kpa", "[10, 30]")];
     study.set_all(common.iter().chain(changes).map(|(key, value)| Change::new(*key, *value))).unwrap();
     study
@@ -48,7 +48,7 @@ fn neighbours_have_their_own_states_with_fewer_iterations() {
         let rest = solve(&chambers(&design), None).unwrap();
         let near = solve(&chambers(&design), Some(neighbour.clone())).unwrap();
         assert!(near.has_started_from && !rest.has_started_from);
-        assert_eq!(near.states[1].contact.gaps_in_contact, 2);
+        assert_eq!(near.states[1].contact.gaps_in_contact, 1);
         println!(
             "{design:?}: {} iterations for {}, {:.1e}",
             near.iterations,
