@@ -10,10 +10,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pneuflex::InputError;
 use pneuflex_sweep::design::{Job, Task};
 use pneuflex_sweep::job_script;
-use pneuflex_sweep::neighbours::neighbours;
 use pneuflex_sweep::plan::Planned;
 use pneuflex_sweep::sweep_file::{Described, StartingPoint};
-use pneuflex_sweep::{Folder, Plan, Row, SweepFile, workers};
+use pneuflex_sweep::{Folder, Plan, Row, SweepFile, neighbours, workers};
 
 use crate::args::{Scheduler, SweepArguments, changes};
 use crate::error::CliError;
@@ -64,21 +63,20 @@ pub fn sweep(arguments: &SweepArguments) -> Result<Outcome, CliError> {
     };
     // A job solves its own designs, and takes nothing from another one that may be slower or faster.
     let [first, last] = arguments.only.unwrap_or([0, designs.len() - 1]);
-    let start = match described.start {
-        StartingPoint::Rest => vec![None; last + 1 - first],
-        StartingPoint::Neighbours => neighbours(&designs[first..=last]),
+    let name = |number: usize| folder.plan().designs[number].identity.as_str();
+    let neighbour_of = match described.start {
+        StartingPoint::Rest => BTreeMap::new(),
+        StartingPoint::Neighbours => {
+            let names: Vec<&str> = (first..=last).map(name).collect();
+            neighbours::by_name(&names, &designs[first..=last])
+        }
     };
-    let name = |number: usize| folder.plan().designs[number].identity.clone();
-    let mut neighbour_of = BTreeMap::new();
-    for (number, neighbour) in start.into_iter().enumerate() {
-        neighbour_of.entry(name(first + number)).or_insert(neighbour.map(|neighbour| name(first + neighbour)));
-    }
-    let has_followers: BTreeSet<_> = neighbour_of.values().flatten().cloned().collect();
+    let has_followers: BTreeSet<_> = neighbour_of.values().cloned().collect();
     let mut tasks = Vec::new();
     for number in left {
         folder.forget(number)?;
-        let (identity, design) = (name(number), designs[number].clone());
-        let starts_from = neighbour_of.get(&identity).cloned().flatten();
+        let (identity, design) = (name(number).to_owned(), designs[number].clone());
+        let starts_from = neighbour_of.get(&identity).cloned();
         tasks.push(Task { is_neighbour: has_followers.contains(&identity), identity, design, starts_from });
     }
     let job = Job { base: described.base.clone(), folder: path, threads, fields: described.fields };

@@ -1,11 +1,9 @@
 //! Tables that case files and model files share, and what they are made of: mesh, contact, loads, probes, solver, output.
 
 use std::collections::BTreeSet;
-use std::fmt;
 
-use pneuflex_mesh::{Actuator, MeshSize, PerChamber};
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{self, Visitor};
+use pneuflex_mesh::{Actuator, MeshSize, NumberOrList, PerChamber, number_or_list};
+use serde::de;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::formulation::Formulation;
@@ -212,36 +210,16 @@ impl Size {
     }
 }
 
-/// Written out because the derived reader of an untagged enum cannot say what it expects.
 impl<'de> Deserialize<'de> for Size {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct SizeVisitor;
-        impl<'de> Visitor<'de> for SizeVisitor {
-            type Value = Size;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or three numbers [sx, sy, sz]")
-            }
-
-            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Size, E> {
-                Ok(Size::Uniform(value))
-            }
-
-            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Size, E> {
-                Ok(Size::Uniform(value as f64))
-            }
-
-            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Size, E> {
-                Ok(Size::Uniform(value as f64))
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, sequence: A) -> Result<Size, A::Error> {
-                let sizes = Vec::<f64>::deserialize(SeqAccessDeserializer::new(sequence))?;
+        const EXPECTED: &str = "a number or three numbers [sx, sy, sz]";
+        match number_or_list::<Vec<f64>, D>(deserializer, EXPECTED)? {
+            NumberOrList::Number(h) => Ok(Self::Uniform(h)),
+            NumberOrList::List(sizes) => {
                 let count = sizes.len();
-                sizes.try_into().map(Size::PerAxis).map_err(|_| de::Error::invalid_length(count, &self))
+                sizes.try_into().map(Self::PerAxis).map_err(|_| de::Error::invalid_length(count, &EXPECTED))
             }
         }
-        deserializer.deserialize_any(SizeVisitor)
     }
 }
 

@@ -1,9 +1,6 @@
 //! Functions of time as model files have them.
 
-use std::fmt;
-
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{self, Visitor};
+use pneuflex_mesh::{NumberOrList, number_or_list};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// A value at the end, reached along a straight line from zero, or points \[time, value\].
@@ -28,33 +25,12 @@ impl From<Vec<[f64; 2]>> for Series {
     }
 }
 
-/// Written out because the derived reader of an untagged enum cannot say what it expects.
 impl<'de> Deserialize<'de> for Series {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct SeriesVisitor;
-        impl<'de> Visitor<'de> for SeriesVisitor {
-            type Value = Series;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, reached at the end, or points [[time, value], ...]")
-            }
-
-            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Series, E> {
-                Ok(Series::End(value))
-            }
-
-            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Series, E> {
-                Ok(Series::End(value as f64))
-            }
-
-            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Series, E> {
-                Ok(Series::End(value as f64))
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, sequence: A) -> Result<Series, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(sequence)).map(Series::Points)
-            }
-        }
-        deserializer.deserialize_any(SeriesVisitor)
+        let found = number_or_list(deserializer, "a number, reached at the end, or points [[time, value], ...]")?;
+        Ok(match found {
+            NumberOrList::Number(value) => Self::End(value),
+            NumberOrList::List(points) => Self::Points(points),
+        })
     }
 }

@@ -14,7 +14,7 @@ use crate::vtu::{Field, Grid};
 /// The body in its reference position with `displacement` (mm), `cauchy_stress` and `von_mises` (MPa) at the nodes and
 /// the hydrostatic `pressure` (MPa, compression positive) of the elements. `time` is the air pressure in kPa.
 ///
-/// The von Mises stress is the one of the averaged tensor, so that it belongs to the stress shown.
+/// The von Mises stress is that of the tensor at the node, so that it belongs to the stress shown.
 ///
 /// # Errors
 /// Displacements of the wrong length or with a number that is not finite.

@@ -1,5 +1,6 @@
 //! What the program's sweeps and the package's have in common: names of designs, numbers of states, the table.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use pneuflex::post::summary::StepSummary;
@@ -48,10 +49,11 @@ pub fn numbers(py: Python<'_>, summary: &str, length: Option<f64>, tip_at: Optio
     })
 }
 
-/// For every design the number of the one that it starts from.
+/// Names of the designs that start from another one, each with the name of that.
 #[pyfunction]
-pub fn neighbours_of(designs: Vec<Vec<(String, String)>>) -> Vec<Option<usize>> {
-    neighbours::neighbours(&designs)
+pub fn neighbours_of(names: Vec<String>, designs: Vec<Vec<(String, String)>>) -> BTreeMap<String, String> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    neighbours::by_name(&names, &designs)
 }
 
 /// Removes what the designs of a sweep have left for each other.

@@ -1,6 +1,7 @@
 //! Which designs take the guesses of their load steps from a similar one, and the files that they find these in: a matter of the designs
 //! alone, not of which was finished first.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ const NEAR: f64 = 0.1;
 
 /// For every design the number of the one before it that it starts from: the nearest of those that start from none themselves. One that is
 /// near to none of these starts from none, too. Further designs at the end change nothing.
-pub fn neighbours(designs: &[Design]) -> Vec<Option<usize>> {
+fn neighbours(designs: &[Design]) -> Vec<Option<usize>> {
     let designs: Vec<Vec<(&str, Value)>> = designs.iter().map(values).collect();
     let (mut by_themselves, mut found): (Vec<usize>, _) = (Vec::new(), Vec::new());
     for (number, design) in designs.iter().enumerate() {
@@ -28,6 +29,16 @@ pub fn neighbours(designs: &[Design]) -> Vec<Option<usize>> {
         found.push(nearest);
     }
     found
+}
+
+/// Of the designs with these names, those that start from another one, each with the name of that. A design that is there twice is what it is
+/// the first time.
+pub fn by_name(names: &[&str], designs: &[Design]) -> BTreeMap<String, String> {
+    let mut found: BTreeMap<&str, Option<&str>> = BTreeMap::new();
+    for (name, neighbour) in names.iter().zip(neighbours(designs)) {
+        found.entry(name).or_insert(neighbour.map(|number| names[number]));
+    }
+    found.into_iter().filter_map(|(name, other)| Some((name.to_owned(), other?.to_owned()))).collect()
 }
 
 fn values(design: &Design) -> Vec<(&str, Value)> {
@@ -108,6 +119,8 @@ mod tests {
         let found = neighbours(&designs);
         assert_eq!(found, [None, Some(0), None, Some(2), Some(2), None, None]);
         assert_eq!(neighbours(&designs[..4]), found[..4]);
+        let names = ["a", "b", "c", "b"];
+        assert_eq!(by_name(&names, &designs[..4]), [("b".to_owned(), "a".to_owned())].into());
         // The order of keys makes no difference, other words do.
         let mut turned = of("1.02", "3");
         turned.reverse();

@@ -1,10 +1,8 @@
 //! Lengths, and other numbers, that chambers have in common or each for itself.
 
-use std::fmt;
-
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::number_or_list::{NumberOrList, number_or_list};
 
 /// A number for all chambers, or a list with one for each, from the clamp on; of gaps one for each between two chambers.
 ///
@@ -92,33 +90,12 @@ impl<const N: usize> From<[f64; N]> for PerChamber {
     }
 }
 
-/// Written out because the derived reader of an untagged enum cannot say what it expects.
 impl<'de> Deserialize<'de> for PerChamber {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PerChamberVisitor;
-        impl<'de> Visitor<'de> for PerChamberVisitor {
-            type Value = PerChamber;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number for all chambers, or a list with one for each")
-            }
-
-            fn visit_f64<E: de::Error>(self, value: f64) -> Result<PerChamber, E> {
-                Ok(PerChamber::All(value))
-            }
-
-            fn visit_i64<E: de::Error>(self, value: i64) -> Result<PerChamber, E> {
-                Ok(PerChamber::All(value as f64))
-            }
-
-            fn visit_u64<E: de::Error>(self, value: u64) -> Result<PerChamber, E> {
-                Ok(PerChamber::All(value as f64))
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, sequence: A) -> Result<PerChamber, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(sequence)).map(PerChamber::Each)
-            }
-        }
-        deserializer.deserialize_any(PerChamberVisitor)
+        let found = number_or_list(deserializer, "a number for all chambers, or a list with one for each")?;
+        Ok(match found {
+            NumberOrList::Number(value) => Self::All(value),
+            NumberOrList::List(list) => Self::Each(list),
+        })
     }
 }

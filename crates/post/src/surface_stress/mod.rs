@@ -91,6 +91,11 @@ fn stress(place: &Place, stretch: Tensor, turned: [Vec3; 2], law: &ElementMateri
         let along: f64 = (0..3).map(|i| n[i] * (0..3).map(|j| stress[i][j] * n[j]).sum::<f64>()).sum();
         (along.is_finite()).then_some((along + place.pressure, stress))
     };
+    // A patch may reach beyond what the law's chains can be stretched to, where the elements' points do not.
+    let guess = Kinematics::new(&gradient(1.0 / area)).ok()?;
+    if !law.law.energy_and_stress(&guess).0.is_finite() {
+        return None;
+    }
     // By the secant method; the surface keeps its volume but for the little that a pressure changes.
     let kappa = law.bulk_modulus + law.fluctuation_modulus;
     let (mut last, mut lambda) = (1.0 / area, 1.0 / area);
@@ -198,6 +203,26 @@ mod tests {
             }
             assert!(checked >= 8 && different > 0.1, "{formulation:?}: the check would be empty");
         }
+    }
+
+    /// Gent's law ends at I₁ − 3 = J_m, here at an equibiaxial stretch of 1.46.
+    #[test]
+    fn beyond_the_end_of_a_law_there_is_no_stress() {
+        let gent: Material = Law::Gent { shear_modulus: 2.0 * C10, jm: 1.5 }.into();
+        let law = ElementMaterial::new(&gent, Formulation::Hex27);
+        let normal = [0.0, 0.0, 1.0];
+        let place = Place {
+            faces: Vec::new(),
+            planes: [false; 3],
+            normal,
+            deformed_normal: normal,
+            pressure: 0.0,
+            material: 0,
+        };
+        let stretched =
+            |by: f64| stress(&place, [[by * by, 0.0, 0.0], [0.0, by * by, 0.0], [0.0; 3]], plane(normal), &law);
+        assert!(stretched(1.4).is_some_and(|stress| stress[0] > 1.0 && stress[2].abs() < 1e-9));
+        assert_eq!(stretched(1.6), None);
     }
 
     /// Where something else acts than a pressure, nodes have the stress of the elements.

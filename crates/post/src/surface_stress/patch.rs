@@ -9,6 +9,7 @@ use crate::vector::{Vec3, cross, dot, norm, sub};
 pub type Tensor = [[f64; 3]; 3];
 
 /// A measured U_s² of the surface.
+#[derive(Clone, Copy, Debug)]
 pub struct Sample {
     pub position: Vec3,
     pub normal: Vec3,

@@ -123,10 +123,14 @@ impl<'a> KnownSurface<'a> {
 
     /// U_s² at every node that a patch reaches. Patches are around corners; one of its own has a node all of whose corners are at edges.
     pub fn stretches(&self) -> BTreeMap<u32, Tensor> {
+        let of_face = |KnownFace { kind, nodes }: &KnownFace| -> Vec<Sample> {
+            sampling_points(*kind).into_iter().map(|xi| self.sample(*kind, nodes, xi)).collect()
+        };
+        let samples: Vec<Vec<Sample>> = self.faces.iter().map(of_face).collect();
         let mut patches: BTreeMap<u32, Patch> = BTreeMap::new();
         for (&node, place) in &self.nodes {
             if self.is_corner(node, place)
-                && let Some(patch) = self.patch(node, place)
+                && let Some(patch) = self.patch(node, place, &samples)
             {
                 patches.insert(node, patch);
             }
@@ -142,7 +146,7 @@ impl<'a> KnownSurface<'a> {
             let own = corners.iter().filter_map(|corner| patches.get(corner)).map(|patch| self.at(patch, node, place));
             let mut values: Vec<Tensor> = own.collect();
             if values.is_empty()
-                && let Some(patch) = self.patch(node, place)
+                && let Some(patch) = self.patch(node, place, &samples)
             {
                 values.push(self.at(&patch, node, place));
             }
@@ -174,12 +178,8 @@ impl<'a> KnownSurface<'a> {
         }
     }
 
-    fn patch(&self, node: u32, place: &Place) -> Option<Patch> {
-        let mut samples: Vec<Sample> = Vec::new();
-        for &face in &place.faces {
-            let KnownFace { kind, nodes } = &self.faces[face];
-            samples.extend(sampling_points(*kind).into_iter().map(|xi| self.sample(*kind, nodes, xi)));
-        }
+    fn patch(&self, node: u32, place: &Place, samples: &[Vec<Sample>]) -> Option<Patch> {
+        let mut samples: Vec<Sample> = place.faces.iter().flat_map(|&face| &samples[face]).copied().collect();
         let centre = self.rest[node as usize];
         for axis in (0..3).filter(|&axis| place.planes[axis]) {
             let mirrored: Vec<Sample> = samples.iter().map(|sample| sample.mirrored(axis, centre[axis])).collect();

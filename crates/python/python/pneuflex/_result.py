@@ -204,12 +204,12 @@ class State:
 
     @property
     def von_mises(self) -> Floats:
-        """Von Mises stress at the nodes, MPa, shape (n,): of the averaged Cauchy stress, for pictures. Without a copy."""
+        """Von Mises stress at the nodes, MPa, shape (n,): of the Cauchy stress there, for pictures. Without a copy."""
         return self._field("von_mises", 1)
 
     @property
     def cauchy_stress(self) -> Floats:
-        """Cauchy stress at the nodes, MPa, shape (n, 6): xx, yy, zz, xy, yz, xz, averaged over the elements at a node. Without a copy."""
+        """Cauchy stress at the nodes, MPa, shape (n, 6): xx, yy, zz, xy, yz, xz; at smooth free or pressurised surfaces that of the surface itself, elsewhere averaged over the elements at a node. Without a copy."""
         return self._field("cauchy_stress", 6)
 
     @property

@@ -286,12 +286,8 @@ def sweep(
 
 def _neighbours(entries: list[dict[str, Any]], designs: list[Design]) -> dict[str, str]:
     """Names of designs that start from another one, and of that."""
-    names = [entry["identity"] for entry in entries]
-    found: dict[str, str | None] = {}
     texts = [flat({key: _plain(value) for key, value in design.items()}) for design in designs]
-    for name, number in zip(names, _native.neighbours_of(texts), strict=True):
-        found.setdefault(name, None if number is None else names[number])
-    return {name: other for name, other in found.items() if other is not None}
+    return _native.neighbours_of([entry["identity"] for entry in entries], texts)
 
 
 def _solved(pool: Executor, tasks: list[Task]) -> Iterator[Row]:

@@ -392,7 +392,7 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             states_past_limit: 4,
             imperfection: None,
         },
-        output: Output { fields: dice.chance(0.8), points: false },
+        output: output(dice),
         actuator,
     };
     // As often as there are no fields.
@@ -401,6 +401,11 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
         case.solver.continuation = if has_one { Continuation::ArcLength } else { Continuation::Damped };
     }
     case
+}
+
+fn output(dice: &mut Dice) -> Output {
+    let fields = dice.chance(0.8);
+    Output { fields, points: fields && dice.chance(0.2) }
 }
 
 fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
@@ -461,7 +466,7 @@ fn actuator_model(dice: &mut Dice, scale: Scale) -> Model {
         load: Some(Times { times }),
         probes: probes(dice, extent),
         solver: steps(dice, end),
-        output: Output { fields: dice.chance(0.8), points: false },
+        output: output(dice),
         material: if dice.chance(0.8) { Some(material) } else { None },
         actuator: Some(actuator),
     };
@@ -658,7 +663,7 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         load: Some(Times { times }),
         probes: probes(dice, [low, high]),
         solver: steps(dice, end),
-        output: Output { fields: dice.chance(0.8), points: false },
+        output: output(dice),
         material: Some(material),
     };
     Draw::Model(Box::new(model), Some(Body { mesh, formulation }))
