@@ -13,7 +13,7 @@ use pneuflex_assembly::{
 use pneuflex_factor::Parallelism;
 use pneuflex_mesh::lattice::Lattice;
 use pneuflex_mesh::testing::mixed;
-use pneuflex_mesh::{Actuator, Mesh};
+use pneuflex_mesh::{Actuator, ElementKind, Mesh};
 use pneuflex_model::{
     ContactMethod, ContactPair, Formulation, Invariant, Law, LoadParameter, Material, Pressure, Problem, Region,
     Volumetric,
@@ -164,8 +164,17 @@ fn free_part(matrix: &DMatrix<f64>, problem: &Problem) -> DMatrix<f64> {
 
 #[test]
 fn pressure() {
+    // Dense matrices of two chambers of quadratic elements would fill the memory.
+    let mut chamber = Actuator { chambers: 1, ..Actuator::two_chambers() };
+    chamber.channel.half_width = 0.0;
     for formulation in [Formulation::Hex8Q1p0, Formulation::Hex20, Formulation::Hex27, Formulation::Tet10] {
-        let problem = coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None);
+        let problem = match formulation.element_kind() {
+            ElementKind::Hex8 => coarse_chambers(formulation, Invariant::Isochoric, ContactMethod::None),
+            _ => {
+                let size = [8.0, 9.0, 8.0];
+                actuator_problem(&chamber, size, formulation, Invariant::Isochoric, ContactMethod::None)
+            }
+        };
         let mut pressure = FollowerPressure::new(problem.mesh.clone(), &problem.cavity_facets());
         pressure.pressure = Pressure::from_mpa(0.3);
         let u = leaning(&problem);
@@ -403,20 +412,18 @@ fn check_path(formulation: Formulation, invariant: Invariant, method: ContactMet
     assert_same_states(&name, &found, &expected);
 }
 
+/// Every two of element, invariant and contact meet; the paper's three meet each other. What a path adds to the residuals and tangents above is
+/// the way from load to load.
 #[test]
 fn path_without_contact() {
-    for invariant in INVARIANTS {
-        check_path(Formulation::Hex8Q1p0, invariant, ContactMethod::None);
-    }
+    check_path(Formulation::Hex8Q1p0, Invariant::Isochoric, ContactMethod::None);
     check_path(Formulation::Hex8Sri, Invariant::Full, ContactMethod::None);
 }
 
 #[test]
 fn path_with_single_point_contact() {
-    for invariant in INVARIANTS {
-        check_path(Formulation::Hex8Q1p0, invariant, ContactMethod::SinglePoint);
-    }
-    check_path(Formulation::Hex8Sri, Invariant::Full, ContactMethod::SinglePoint);
+    check_path(Formulation::Hex8Q1p0, Invariant::Full, ContactMethod::SinglePoint);
+    check_path(Formulation::Hex8Sri, Invariant::Isochoric, ContactMethod::SinglePoint);
 }
 
 #[test]
@@ -430,7 +437,6 @@ fn path_with_multi_point_contact() {
 #[test]
 fn path_as_in_the_paper() {
     check_path(Formulation::Hex8Sri, Invariant::Full, ContactMethod::MultiPoint);
-    check_path(Formulation::Hex8Sri, Invariant::Isochoric, ContactMethod::MultiPoint);
 }
 
 #[test]
