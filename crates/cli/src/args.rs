@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pneuflex::{Change, Error, InputError, MemoryLimit};
 
 use crate::completions::CompletionsArguments;
 use crate::examples;
+use crate::find::FORCE;
 use crate::fit::FitArguments;
 use crate::man::ManArguments;
 use crate::materials::MaterialsArguments;
@@ -49,6 +50,12 @@ pub enum Command {
     /// Write report.html, which shows a result folder in a browser
     #[command(after_help = examples::VIEW)]
     View(ViewArguments),
+    /// Find the pressure, or the value of a key, at which a result takes a value
+    #[command(after_help = examples::FIND)]
+    Find(FindArguments),
+    /// Print the numbers of results, one row per pressure, several runs side by side
+    #[command(after_help = examples::TABLE)]
+    Table(TableArguments),
     /// Identify an elastic rod from the case's two-chamber cell and compute its shapes
     #[command(after_help = examples::ROD)]
     Rod(RodArguments),
@@ -206,6 +213,115 @@ pub struct ViewArguments {
     /// Folder that `pneuflex run` wrote
     #[arg(value_name = "RESULT_DIR")]
     pub results: PathBuf,
+}
+
+/// Arguments of `pneuflex find`.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("goal").required(true).multiple(false)))]
+pub struct FindArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Bending angle of the end face, degrees
+    #[arg(long, value_name = "DEG", group = "goal", allow_negative_numbers = true)]
+    pub angle: Option<f64>,
+    /// Angle of the chord from the clamp to the tip, degrees
+    #[arg(long, value_name = "DEG", group = "goal", allow_negative_numbers = true)]
+    pub chord_angle: Option<f64>,
+    /// Displacement of the tip along x, mm
+    #[arg(long, value_name = "MM", group = "goal", allow_negative_numbers = true)]
+    pub tip_x: Option<f64>,
+    /// Displacement of the tip along y, mm
+    #[arg(long, value_name = "MM", group = "goal", allow_negative_numbers = true)]
+    pub tip_y: Option<f64>,
+    /// Displacement of the tip along z, mm
+    #[arg(long, value_name = "MM", group = "goal", allow_negative_numbers = true)]
+    pub tip_z: Option<f64>,
+    /// Volume of all cavities, mm3
+    #[arg(long, value_name = "MM3", group = "goal")]
+    pub volume: Option<f64>,
+    /// Force on the obstacle, N
+    #[arg(long, value_name = "N", group = "goal")]
+    pub force: Option<f64>,
+    /// Any column of `pneuflex table`, e.g. --column cavity_1.volume_mm3=900 or, for the length of a vector, --column probe.tip=12
+    #[arg(long, value_name = "NAME=VALUE", group = "goal")]
+    pub column: Option<String>,
+    /// A key whose value is looked for, at the last pressure or time of the case, in place of the pressure
+    #[arg(long, value_name = "KEY", requires = "between")]
+    pub by: Option<String>,
+    /// Values of the key between which it is looked for
+    #[arg(
+        long,
+        value_name = "A,B",
+        requires = "by",
+        value_delimiter = ',',
+        num_args = 2,
+        allow_negative_numbers = true
+    )]
+    pub between: Option<Vec<f64>>,
+    /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
+}
+
+impl FindArguments {
+    /// Column of the table and the value that is wanted in it.
+    ///
+    /// # Errors
+    /// A `--column` that has none, a value that is no finite number.
+    pub fn goal(&self) -> Result<(String, f64), InputError> {
+        let named = [
+            ("end_face_angle_deg", self.angle),
+            ("chord_angle_deg", self.chord_angle),
+            ("tip.x_mm", self.tip_x),
+            ("tip.y_mm", self.tip_y),
+            ("tip.z_mm", self.tip_z),
+            ("cavity_volume_mm3", self.volume),
+            (FORCE, self.force),
+        ];
+        let goal = match (named.into_iter().find_map(|(name, value)| Some((name.to_owned(), value?))), &self.column) {
+            (Some(goal), _) => Some(goal),
+            (None, Some(text)) => text
+                .rsplit_once('=')
+                .and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?))),
+            (None, None) => None,
+        };
+        let column = self.column.as_deref().unwrap_or_default();
+        let ends = self.between.iter().flatten();
+        match goal {
+            Some((name, value)) if value.is_finite() && ends.clone().all(|end| end.is_finite()) => Ok((name, value)),
+            Some(_) => Err(InputError::new("find: a value or an end is no finite number")),
+            None => Err(InputError::new(format!(
+                "--column {column}: expected NAME=VALUE, e.g. --column end_face_angle_deg=90"
+            ))),
+        }
+    }
+}
+
+/// Arguments of `pneuflex table`.
+#[derive(Debug, Args)]
+pub struct TableArguments {
+    /// Folders that `pneuflex run` wrote
+    #[arg(value_name = "RESULT_DIR", required = true)]
+    pub results: Vec<PathBuf>,
+    /// What is printed
+    #[arg(long = "as", value_name = "FORM", value_enum, default_value_t = TableForm::Text)]
+    pub form: TableForm,
+    /// Columns, e.g. end_face_angle_deg,tip: a name stands for everything that begins with it and a full stop, too [default: all; of a text
+    /// angles, tip and probes, cavities, forces on obstacles and the 99 % stress]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub columns: Option<Vec<String>>,
+}
+
+/// Forms of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableForm {
+    /// Aligned columns.
+    Text,
+    /// Comma-separated values, all digits.
+    Csv,
+    /// A list of rows, all digits.
+    Json,
 }
 
 /// Arguments of `pneuflex converge`.

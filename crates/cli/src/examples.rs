@@ -52,6 +52,25 @@ pub const VIEW: &str = "\
 Examples:
   pneuflex view out/actuator              out/actuator/report.html, to be opened in a browser";
 
+/// Of `pneuflex find`.
+pub const FIND: &str = "\
+Examples:
+  pneuflex find actuator.toml --angle 90                          the pressure for a bending angle of 90 degrees
+  pneuflex find blocked_force.toml --force 0.1                    for a force of 0.1 N on the obstacle
+  pneuflex find actuator.toml --tip-z -20 --by actuator.top_wall --between 0.8,2
+
+Without --by it is looked for from rest to the last pressure or time of the case, and what is found is where the path first comes to it, as
+far as the states at the case's pressures show. Nothing is written.
+
+Exit codes: 0 found, 2 bad input, 3 never reached, 130 interrupted.";
+
+/// Of `pneuflex table`.
+pub const TABLE: &str = "\
+Examples:
+  pneuflex table out/actuator
+  pneuflex table out/thin out/thick --columns end_face_angle_deg
+  pneuflex table out/actuator --as csv > actuator.csv";
+
 /// Of `pneuflex rod`.
 pub const ROD: &str = "\
 Examples:

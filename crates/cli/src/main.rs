@@ -1,7 +1,7 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`converge`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`sweep`], [`view`]: the commands;
+//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
@@ -16,6 +16,7 @@ mod completions;
 mod converge;
 mod error;
 mod examples;
+mod find;
 mod fit;
 mod interrupt;
 mod man;
@@ -26,6 +27,7 @@ mod progress;
 mod rod;
 mod run;
 mod sweep;
+mod table;
 mod terminal;
 mod view;
 
@@ -46,6 +48,8 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
+        Command::Find(arguments) => find::find(&arguments),
+        Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Rod(arguments) => rod::rod(&arguments),

@@ -111,7 +111,7 @@
 //! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`advice`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
-//! | [`folder`], [`recorder`], [`checkpoint_file`], [`report_page`] | result folders |
+//! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`] | result folders |
 //! | [`convergence`] | sequences of meshes |
 //! | [`document`] | case and model files as texts with places |
 
@@ -145,6 +145,7 @@ mod on_the_way;
 pub mod overview;
 pub mod reason;
 mod recorded_mesh;
+pub mod recorded_states;
 pub mod recorder;
 mod refusals;
 pub mod report_page;

@@ -89,7 +89,8 @@ fn inputs(analysis: &Analysis) -> Vec<Group> {
     groups
 }
 
-fn read_summary(folder: &Path) -> Result<Summary, InputError> {
+/// What the summary of a result folder says, checked.
+pub(crate) fn read_summary(folder: &Path) -> Result<Summary, InputError> {
     let path = folder.join("summary.json");
     if !folder.is_dir() || !path.exists() {
         let what = if folder.is_dir() { "holds no summary.json" } else { "is no folder" };
@@ -149,14 +150,14 @@ fn read_grid(path: &Path) -> Result<Grid, InputError> {
     Grid::from_vtu(&read(path)?).map_err(|e| damaged(path, e))
 }
 
-fn read(path: &Path) -> Result<String, InputError> {
+pub(crate) fn read(path: &Path) -> Result<String, InputError> {
     fs::read_to_string(path).map_err(|e| {
         InputError::about_file(path, format!("cannot be read: {e}"))
             .with_help(Some("run the case again to have a complete result folder".into()))
     })
 }
 
-fn damaged(path: &Path, why: impl std::fmt::Display) -> InputError {
+pub(crate) fn damaged(path: &Path, why: impl std::fmt::Display) -> InputError {
     InputError::about_file(path, format!("damaged: {why}"))
         .with_help(Some("run the case again to have a complete result folder".into()))
 }

@@ -1,7 +1,7 @@
 //! The program as its users have it: commands, files, messages, exit codes.
 //!
 //! * [`bad_input`]: one clear message, and nothing written.
-//! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`view`]: the commands.
+//! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`tables`], [`view`]: the commands.
 //! * [`sweeps`]: many designs, whatever dies; jobs of clusters.
 //! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
 //! * [`interrupted`]: runs that are killed, interrupted, robbed of their folder or started twice.
@@ -25,6 +25,7 @@ mod runs;
 mod stops;
 mod support;
 mod sweeps;
+mod tables;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod view;
