@@ -376,7 +376,9 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             self_contact: is_multi_point && dice.chance(0.2),
             penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         },
-        obstacles: (0..count).map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone())).collect(),
+        obstacles: (0..count)
+            .map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone().map(Choice::from)))
+            .collect(),
         load: Load {
             pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] },
             chamber_factor: chamber_factor(dice, &actuator),
