@@ -474,7 +474,7 @@ mod tests {
                 held.iter().map(|&facet| mesh.face_place(facet).area).sum()
             };
             for (text, expected) in [
-                ("{ box = [[0, 0, 0], [1, 3, 3]] }", 9.0 + 4.0 * 3.0),
+                ("{ box = [[0, 0, 0], [1, 3, 3]] }", 9.0 + 4.0 * 3.0 + 1.0),
                 ("{ plane = { point = [0, 5, 1], normal = \"-x\" } }", 9.0),
                 ("{ plane = { point = [0, 0, 1], normal = [0, 0, 2] } }", 1.0),
                 ("{ normal = \"x\" }", 9.0 + 1.0),

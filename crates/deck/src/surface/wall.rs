@@ -24,22 +24,39 @@ impl Surface {
         let normals: Vec<Vec3> =
             (0..self.triangles.len()).map(|triangle| unit_normal(self.corners(triangle))).collect();
         let smallest = 1e-7 * self.diagonal();
+        let boxes: Vec<[Vec3; 2]> = (0..self.triangles.len()).map(|triangle| bounds(&self.corners(triangle))).collect();
         let step = self.triangles.len().div_ceil(MOST).max(1);
-        let behind = |triangle: usize| {
+        let mut thinnest: Option<Wall> = None;
+        for triangle in (0..self.triangles.len()).step_by(step) {
             let normal = normals[triangle];
             if norm(normal) == 0.0 {
-                return None;
+                continue;
             }
             let (from, inward) = (centre(self.corners(triangle)), normal.map(|t| -t));
-            let met = (0..self.triangles.len()).filter(|&other| other != triangle).filter_map(|other| {
+            // Nothing beyond the thinnest wall so far is of interest.
+            let reach = thinnest.map_or(self.diagonal(), |wall| wall.thickness);
+            let [low, high] = bounds(&[from, std::array::from_fn(|d| from[d] + reach * inward[d])]);
+            let is_near = |[from, to]: &[Vec3; 2]| (0..3).all(|d| from[d] <= high[d] && low[d] <= to[d]);
+            let near = (0..boxes.len()).filter(|&other| other != triangle && is_near(&boxes[other]));
+            let met = near.filter_map(|other| {
                 let along = ray_meets(from, inward, self.corners(other)).filter(|along| *along > smallest)?;
                 Some((along, other))
             });
-            let (thickness, other) = met.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let at = std::array::from_fn(|d| from[d] + 0.5 * thickness * inward[d]);
-            (dot(normal, normals[other]) < OPPOSITE).then_some(Wall { thickness, at })
-        };
-        let walls = (0..self.triangles.len()).step_by(step).filter_map(behind);
-        walls.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
+            let Some((thickness, other)) = met.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+            if thickness < reach && dot(normal, normals[other]) < OPPOSITE {
+                let at = std::array::from_fn(|d| from[d] + 0.5 * thickness * inward[d]);
+                thinnest = Some(Wall { thickness, at });
+            }
+        }
+        thinnest
     }
+}
+
+/// Least and greatest coordinates.
+fn bounds(points: &[Vec3]) -> [Vec3; 2] {
+    let along = |d: usize| points.iter().map(move |x| x[d]);
+    [
+        std::array::from_fn(|d| along(d).fold(f64::INFINITY, f64::min)),
+        std::array::from_fn(|d| along(d).fold(f64::NEG_INFINITY, f64::max)),
+    ]
 }
