@@ -14,7 +14,10 @@ const MOST_BYTES: usize = 60_000;
 
 pub fn run(arguments: &[String]) -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut options = Options { inputs: 10_000, seed: 1, seeds: fixtures(&root.join("fixtures")) };
+    let mut seeds = fixtures(&root.join("fixtures"));
+    seeds.extend(meshes(&root.join("crates/deck/tests/data")));
+    seeds.extend(surfaces());
+    let mut options = Options { inputs: 10_000, seed: 1, seeds };
     let is_recorded = arguments.iter().any(|argument| argument == "--docs");
     let arguments: Vec<String> = arguments.iter().filter(|argument| *argument != "--docs").cloned().collect();
     for pair in arguments.chunks(2) {
@@ -82,6 +85,44 @@ fn fixtures(folder: &Path) -> Vec<Files> {
         found.extend(paths.iter().filter_map(|path| files_of(path)));
     }
     found
+}
+
+/// Meshes of other programs, each within a model that holds one end and speaks of what is found.
+fn meshes(folder: &Path) -> Vec<Files> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    let files = |path: &PathBuf| {
+        let name = path.file_name()?.to_string_lossy().into_owned();
+        let is_mesh = name.ends_with(".vtk") || name.ends_with(".msh");
+        let bytes = fs::read(path).ok().filter(|bytes| is_mesh && bytes.len() < MOST_BYTES)?;
+        let text = format!(
+            "[model]\nfile = \"{name}\"\n[[support]]\nnodes = {{ plane = {{ point = [0, 0, 0], normal = \"x\" }}, normal = \"-x\" }}\naxes = \
+             \"xyz\"\n[[pressure]]\nfaces = {{ and = [\"outer\", {{ near = [2, 0.5, 0.5] }}] }}\npressure_kpa = 1\n[load]\ntimes = [1]\n"
+        );
+        Some(vec![("mesh.toml".to_owned(), text.into_bytes()), (name, bytes)])
+    };
+    paths.iter().filter_map(files).collect()
+}
+
+/// A box with a hollow, as text and as bytes.
+fn surfaces() -> Vec<Files> {
+    let cuboid = |low: f64, high: f64, first: u32| {
+        let points = (0..8).map(move |i| [0, 1, 2].map(|d| if i >> d & 1 == 0 { low } else { high }));
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        (points, triangles.map(move |corners| corners.map(|point: u32| point + first)))
+    };
+    let (outer, inner) = (cuboid(0.0, 3.0, 0), cuboid(1.0, 2.0, 8));
+    let (points, triangles) = (outer.0.chain(inner.0).collect(), outer.1.chain(inner.1).collect());
+    let surface = pneuflex::deck::surface::Surface { points, triangles };
+    let mut text = String::new();
+    surface.points.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
+    surface.triangles.iter().for_each(|corners| {
+        let [a, b, c] = corners.map(|point| point + 1);
+        text += &format!("f {a} {b} {c}\n");
+    });
+    vec![vec![("box.stl".to_owned(), surface.to_stl())], vec![("box.obj".to_owned(), text.into_bytes())]]
 }
 
 /// A file, and the body beside it that a model names.

@@ -38,9 +38,12 @@ pub enum Command {
     /// Check a case and print what would be solved, without solving
     #[command(after_help = examples::CHECK)]
     Check(CaseArguments),
-    /// Write a commented case file to start from
+    /// Write a commented case or model file to start from
     #[command(after_help = examples::NEW)]
     New(NewArguments),
+    /// Mesh a part from CAD or a surface of triangles
+    #[command(after_help = examples::MESH)]
+    Mesh(MeshArguments),
     /// Solve a case on finer and finer meshes, extrapolate, and report error bars
     #[command(after_help = examples::CONVERGE)]
     Converge(ConvergeArguments),
@@ -363,10 +366,27 @@ pub struct RodArguments {
 /// Arguments of `pneuflex new`.
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// Which case
+    /// Which case, or a model around a body of your own
     pub kind: CaseKind,
-    /// File to write [default: two_chamber.toml or actuator.toml]; an existing file is not replaced
+    /// File to write [default: two_chamber.toml or actuator.toml]; an existing file is not replaced. Of a model: the part, mesh or deck
+    #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
+    /// File to write of a model [default: PART.toml]
+    #[arg(value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+}
+
+/// Arguments of `pneuflex mesh`.
+#[derive(Debug, Args)]
+pub struct MeshArguments {
+    /// The part: .step, .stp, .iges, .igs, .brep, or a closed surface, .stl, .obj
+    pub part: PathBuf,
+    /// Largest edge of an element [default: one and a half of the thinnest wall]
+    #[arg(long, value_name = "MM")]
+    pub size: Option<f64>,
+    /// The mesh [default: PART.msh in this folder; an existing file is not replaced]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Cases to start from.
@@ -376,6 +396,8 @@ pub enum CaseKind {
     TwoChamber,
     /// The full actuator of the paper: eight chambers and two flanges.
     Actuator,
+    /// A model around a part from CAD, a mesh or a deck.
+    Model,
 }
 
 #[cfg(test)]

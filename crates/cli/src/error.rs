@@ -85,7 +85,10 @@ fn print(error: &InputError) {
 /// What to do about bad input, in terms of the command line.
 fn help(error: &InputError) -> Option<&str> {
     match error.kind() {
-        InputErrorKind::Other | InputErrorKind::Unknown | InputErrorKind::TooManyThreads => error.help(),
+        InputErrorKind::Other
+        | InputErrorKind::Unknown
+        | InputErrorKind::TooManyThreads
+        | InputErrorKind::MissingProgram => error.help(),
         InputErrorKind::TooLarge => {
             Some("choose a coarser mesh.resolution or a larger mesh.size, or --force to try all the same")
         }

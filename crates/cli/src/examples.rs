@@ -20,7 +20,16 @@ Examples:
 pub const NEW: &str = "\
 Examples:
   pneuflex new two-chamber                two_chamber.toml, solved within seconds
-  pneuflex new actuator finger.toml       eight chambers, under another name";
+  pneuflex new actuator finger.toml       eight chambers, under another name
+  pneuflex new model part.step            part.toml, around a body of your own: part from CAD, mesh or deck";
+
+/// Of `pneuflex mesh`.
+pub const MESH: &str = "\
+Examples:
+  pneuflex mesh part.step                 part.msh, whose elements follow the thinnest wall
+  pneuflex mesh scan.stl --size 2 --out coarse.msh
+
+It needs Gmsh, as the Python package: pip install gmsh";
 
 /// Of `pneuflex converge`.
 pub const CONVERGE: &str = "\

@@ -1,7 +1,7 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`new`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands;
+//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
@@ -21,6 +21,7 @@ mod fit;
 mod interrupt;
 mod man;
 mod materials;
+mod mesh;
 mod new;
 mod outcome;
 mod progress;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
+        Command::Mesh(arguments) => mesh::mesh(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),

@@ -6,6 +6,8 @@
 //! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
 //! * [`inp`]: the meaning of such a deck → a problem with a schedule.
 //! * [`msh`]: Gmsh's `.msh` files → a mesh with named sets.
+//! * [`vtk`]: legacy `.vtk` files of VTK → the same.
+//! * [`surface`]: surfaces of triangles, `.stl` and `.obj`, and what they bound.
 //! * [`report`]: places in files, what is wrong there, what is worth knowing.
 //!
 //! A deck has no units. It is taken in mm, N, MPa (and tonnes per mm³ for densities).
@@ -14,8 +16,11 @@ pub mod inp;
 mod jacobian;
 mod mid_edges;
 pub mod msh;
+mod raw_mesh;
 pub mod report;
+pub mod surface;
 pub mod syntax;
+pub mod vtk;
 
 pub use inp::{Deck, Label, Schedule, read};
 pub use report::{DeckError, Note};

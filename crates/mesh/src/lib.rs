@@ -16,6 +16,7 @@
 //! * [`lattice`]: structured hexahedra, tetrahedra or wedges on a tensor-product grid from which cells are left out.
 //! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
 //! * [`testing`]: meshes of several families.
+//! * [`Mesh::skin`]: the surface with what lies beside its faces; [`Mesh::hollows`]: the hollow spaces behind it.
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
 pub mod actuator;
@@ -24,6 +25,7 @@ mod enrichment;
 pub mod face;
 pub mod family;
 pub mod grading;
+mod hollows;
 mod kinds;
 pub mod kuhn;
 pub mod lattice;
@@ -35,6 +37,7 @@ pub mod quadrature;
 mod quality;
 pub mod shape;
 mod shares;
+mod skin;
 pub mod testing;
 mod volume_within;
 
@@ -47,6 +50,8 @@ pub use enrichment::{AddedNode, Place};
 pub use face::{FaceKind, Outline, PerFaceKind};
 pub use family::ReferenceBody;
 pub use grading::MeshSize;
+pub use hollows::{Hollow, Mouth, NoMouth};
 pub use kinds::{Kinds, PerKind};
 pub use mesh::{Facet, Mesh};
 pub use number_or_list::{NumberOrList, number_or_list};
+pub use skin::{FacePlace, Skin, SkinEdge, angle_between};

@@ -3,6 +3,7 @@
 use pneuflex_mesh::{Actuator, PerChamber};
 use serde::{Deserialize, Serialize};
 
+use crate::choice::Choice;
 use crate::material::Material;
 use crate::number::rounded;
 use crate::obstacle_table::{self, ObstacleTable};
@@ -74,8 +75,12 @@ impl Case {
         }
         obstacle_table::check(&self.obstacles, &mut found);
         for (i, obstacle) in self.obstacles.iter().enumerate() {
-            if let Some(faces) = obstacle.faces.as_ref().filter(|faces| !FACES.contains(&faces.as_str())) {
-                found.add(&format!("obstacle[{i}].faces"), faces, &format!("must be one of {}", FACES.join(", ")));
+            let key = format!("obstacle[{i}].faces");
+            match &obstacle.faces {
+                Some(Choice::Named(faces)) if !FACES.contains(&faces.as_str()) => {
+                    found.add(&key, faces, &format!("must be one of {}", FACES.join(", ")));
+                }
+                faces => faces.iter().for_each(|faces| faces.check(&key, &mut found)),
             }
             let moves = [("displacement", obstacle.displacement.is_some()), ("factor", obstacle.factor.is_some())];
             for (key, _) in moves.into_iter().filter(|(_, is_given)| *is_given) {

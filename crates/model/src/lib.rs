@@ -2,6 +2,7 @@
 //!
 //! * [`case`]: what a user writes in a case file, with defaults and range checks.
 //! * [`model_file`]: the same for bodies of any shape, from mesh files and decks.
+//! * [`choice`], [`chosen`]: which nodes, faces or elements a file means, by name or by place.
 //! * [`options`]: the tables that both have.
 //! * [`law`], [`material`]: hyperelastic laws and their constants; what else a material has.
 //! * [`fitted_to`]: the tests of materials, and how far constants were measured.
@@ -16,6 +17,8 @@
 //! Units: mm, N, MPa; contact stiffness N/mm³; pressures in a case file in kPa.
 
 pub mod case;
+pub mod choice;
+pub mod chosen;
 mod contact_stiffness;
 mod enrichment;
 pub mod fitted_to;
@@ -40,6 +43,8 @@ mod units;
 mod whole;
 
 pub use case::Case;
+pub use choice::Choice;
+pub use chosen::{Asked, Chooser};
 pub use fitted_to::{FittedTo, Mode};
 pub use formulation::Formulation;
 pub use law::{Invariant, Law, OgdenTerm, Volumetric};

@@ -3,6 +3,7 @@
 use pneuflex_mesh::Facet;
 use serde::{Deserialize, Serialize};
 
+use crate::choice::Choice;
 use crate::load::Motion;
 use crate::obstacle::{Obstacle, Shape};
 use crate::options::check_names;
@@ -20,7 +21,7 @@ pub struct ObstacleTable {
     pub shape: ShapeName,
     /// Set of faces that may touch it; an actuator's whole outer surface if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub faces: Option<String>,
+    pub faces: Option<Choice>,
     /// A point of the plane, or of the cylinder's axis, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,

@@ -1,10 +1,12 @@
 //! The problem of an actuator: what its sets mean, its air, and which of its walls may touch.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use pneuflex_mesh::{Actuator, Facet, GeometryError, Mesh, MeshSize, PerChamber, build_actuator};
 
 use crate::case::Case;
+use crate::chosen::Chooser;
 use crate::formulation::Formulation;
 use crate::load::{Cavity, Control, Curve};
 use crate::material::Material;
@@ -44,11 +46,16 @@ impl Problem {
             }
         };
         let first = LoadParameter(case.load.pressure_kpa.first().copied().unwrap_or_default());
-        let obstacles = case.obstacles.iter().filter_map(|table| {
-            let faces = table.faces.as_deref().unwrap_or("outer");
-            table.obstacle(problem.mesh.facet_set(faces).to_vec(), case.contact.stiffness, None, first)
-        });
-        problem.obstacles = obstacles.collect();
+        let chooser = Chooser::new(Arc::clone(&problem.mesh));
+        for (number, table) in case.obstacles.iter().enumerate() {
+            let faces = table.faces.clone().unwrap_or_else(|| "outer".into());
+            let facets = chooser.facets(&faces).map_err(|why| CaseError {
+                key: format!("obstacle[{number}].faces"),
+                value: faces.to_string(),
+                allowed: why.to_string(),
+            })?;
+            problem.obstacles.extend(table.obstacle(facets, case.contact.stiffness, None, first));
+        }
         for asymmetry in problem.asymmetries() {
             // Nothing else of a case file can break its plane of symmetry.
             if let (false, ProblemPart::Obstacle(number)) = (asymmetry.is_twofold, asymmetry.part) {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use pneuflex_mesh::{Actuator, build_actuator_with};
+use pneuflex_mesh::{Actuator, Hollow, build_actuator_with};
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Case, CaseError, Contact, Formulation, LoadParameter, Output, Probe, Problem, Solver};
 use pneuflex_newton::ConvergedState;
@@ -46,6 +46,8 @@ pub struct Analysis {
     pub output: Output,
     /// How it was described.
     pub description: Description,
+    /// Hollow spaces of the body that were found, by the names of the sets of their walls.
+    pub hollows: Vec<(String, Hollow)>,
     /// What to know before it is solved: sizes, and what was understood in another way than it may be meant.
     pub notes: Vec<String>,
     /// File that it was read from, or what stands for it.
@@ -96,6 +98,7 @@ impl Analysis {
             output: case.output.clone(),
             path: path.to_owned(),
             description: Description::Actuator(Box::new(case)),
+            hollows: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -141,6 +144,7 @@ impl Analysis {
         let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
         let said = |errors: Vec<CaseError>| errors.into_iter().map(say).collect::<Vec<InputError>>();
         let analysis = Self::of_body(path, model.clone(), body, schedule).map_err(said)?;
+        notes.extend(analysis.notes.iter().cloned());
         Self { title, notes, description: Description::Model(Box::new(model), files), ..analysis }.held()
     }
 
@@ -189,7 +193,8 @@ impl Analysis {
             output: model.output.clone(),
             path: path.to_owned(),
             description: Description::Body(Box::new(model)),
-            notes: Vec::new(),
+            hollows: study.hollows,
+            notes: study.notes,
         })
     }
 
@@ -278,6 +283,8 @@ impl Analysis {
         model.title.clone_from(&self.title);
         if let Some(source) = &mut model.model {
             source.file = format!("{INPUT}/{file}");
+            // Copied is the mesh.
+            source.size = None;
         }
         toml::to_string(&model)
     }

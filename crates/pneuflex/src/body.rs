@@ -7,7 +7,7 @@ use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::model_file::{
     CavityTable, ContactTable, ForceTable, Model, PressureTable, RegionTable, Source, SupportTable, Times,
 };
-use pneuflex_model::{Formulation, Material, Probe, Problem, Series};
+use pneuflex_model::{Choice, Formulation, Material, Probe, Problem, Series};
 
 use crate::analysis::Analysis;
 use crate::error::Error;
@@ -55,7 +55,7 @@ impl Body {
     /// As for [`Self::new`], and for members of sets that are not there.
     pub fn of_mesh(formulation: Formulation, mesh: Mesh) -> Result<Self, Error> {
         check(formulation, &mesh)?;
-        let mut model = Model { model: Some(Source { file: FILE.into(), scale: 1.0 }), ..Model::default() };
+        let mut model = Model { model: Some(Source::of_file(FILE)), ..Model::default() };
         model.output.fields = true;
         Ok(Self { model, mesh, formulation })
     }
@@ -136,29 +136,29 @@ impl Body {
 
     /// Gives a set of cells another material.
     pub fn region(&mut self, cells: &str, material: Material) -> &mut Self {
-        let elements = Some(cells.to_owned());
+        let elements = Some(cells.into());
         self.model.regions.push(RegionTable { name: cells.into(), elements, within: None, material });
         self
     }
 
-    /// Holds a set of nodes, or the nodes of a set of faces, along axes such as `"xyz"` or `"y"`.
-    pub fn hold(&mut self, nodes: &str, axes: &str) -> &mut Self {
-        let (nodes, axes) = (nodes.to_owned(), axes.to_owned());
+    /// Holds a set of nodes, the nodes of a set of faces, or those that a [`Choice`] says, along axes such as `"xyz"` or `"y"`.
+    pub fn hold(&mut self, nodes: impl Into<Choice>, axes: &str) -> &mut Self {
+        let (nodes, axes) = (nodes.into(), axes.to_owned());
         self.model.supports.push(SupportTable { nodes, axes, displacement: None, factor: None, symmetry: false });
         self
     }
 
     /// Says that the body is cut by a plane of symmetry normal to an axis (`"x"`, `"y"` or `"z"`), in which a set of nodes, or the nodes of
     /// a set of faces, lie: they are held along that axis, and results are those of the whole body.
-    pub fn symmetry(&mut self, nodes: &str, axis: &str) -> &mut Self {
-        let (nodes, axes) = (nodes.to_owned(), axis.to_owned());
+    pub fn symmetry(&mut self, nodes: impl Into<Choice>, axis: &str) -> &mut Self {
+        let (nodes, axes) = (nodes.into(), axis.to_owned());
         self.model.supports.push(SupportTable { nodes, axes, displacement: None, factor: None, symmetry: true });
         self
     }
 
     /// Moves a set of nodes along axes, by `displacement` (mm) at the last time.
-    pub fn displace(&mut self, nodes: &str, axes: &str, displacement: [f64; 3]) -> &mut Self {
-        let (nodes, axes) = (nodes.to_owned(), axes.to_owned());
+    pub fn displace(&mut self, nodes: impl Into<Choice>, axes: &str, displacement: [f64; 3]) -> &mut Self {
+        let (nodes, axes) = (nodes.into(), axes.to_owned());
         self.model.supports.push(SupportTable {
             nodes,
             axes,
@@ -184,20 +184,20 @@ impl Body {
     }
 
     /// Lets a pressure in kPa act on a set of faces, which it follows as they move.
-    pub fn pressure(&mut self, faces: &str, pressure_kpa: impl Into<Series>) -> &mut Self {
+    pub fn pressure(&mut self, faces: impl Into<Choice>, pressure_kpa: impl Into<Series>) -> &mut Self {
         self.model.pressures.push(PressureTable { faces: faces.into(), pressure_kpa: pressure_kpa.into() });
         self
     }
 
     /// Lets a force (N, in all) act on a set of nodes; it keeps its direction.
-    pub fn force(&mut self, nodes: &str, total: [f64; 3]) -> &mut Self {
+    pub fn force(&mut self, nodes: impl Into<Choice>, total: [f64; 3]) -> &mut Self {
         self.model.forces.push(ForceTable { nodes: nodes.into(), total, factor: None });
         self
     }
 
     /// Keeps one set of faces from passing through another, or a set from passing through itself.
-    pub fn contact(&mut self, slave: &str, master: &str) -> &mut Self {
-        let (slave, master) = (slave.to_owned(), master.to_owned());
+    pub fn contact(&mut self, slave: impl Into<Choice>, master: impl Into<Choice>) -> &mut Self {
+        let (slave, master) = (slave.into(), master.into());
         let (method, stiffness, penetration_tolerance) = (None, None, None);
         let table = ContactTable {
             slave,

@@ -1,11 +1,12 @@
-//! Reading the file that holds a body: a deck, a mesh of Gmsh, or a mesh as it was recorded.
+//! Reading the file that holds a body: a deck, a mesh of Gmsh or VTK, or a mesh as it was recorded.
 
 use std::path::Path;
 
-use pneuflex_deck::msh;
+use pneuflex_deck::{msh, vtk};
 use pneuflex_model::model_file::Source;
 use pneuflex_model::{Formulation, Problem};
 
+use crate::cad::{is_part, kept_mesh};
 use crate::files::{Files, INCLUDED, included_name};
 use crate::foreign::{not_a_body, pointer};
 use crate::input_error::InputError;
@@ -49,6 +50,15 @@ pub fn read_body(
     if let Some(error) = pointer(path, &bytes) {
         return Err(error.into());
     }
+    let part = is_part(path).then(|| mesh_of_part(store, path, source, &bytes)).transpose()?;
+    if part.is_none() && source.size.is_some() {
+        let what = "model.size = is for parts that are meshed on the way (.step, .iges, .brep, .stl, .obj): this file has its elements";
+        return Err(InputError::new(what).of_key("model.size").into());
+    }
+    let (path, bytes, of_part) = match part {
+        Some((mesh, notes)) => (&*path.with_extension("msh"), mesh, notes),
+        None => (path, bytes, Vec::new()),
+    };
     let shown = path.display().to_string();
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut files = Files { name, bytes: bytes.clone(), included: Vec::new() };
@@ -89,8 +99,10 @@ pub fn read_body(
             files,
         });
     }
-    let (mesh, formulation, mut notes): (_, _, Vec<String>) = if has_extension(path, "msh") {
-        let read = msh::read(&shown, &bytes).map_err(wrong)?;
+    let reader =
+        [("msh", msh::read as MeshReader), ("vtk", vtk::read)].into_iter().find(|(end, _)| has_extension(path, end));
+    let (mesh, formulation, mut notes): (_, _, Vec<String>) = if let Some((_, read)) = reader {
+        let read = read(&shown, &bytes).map_err(wrong)?;
         let unknown = || InputError::about_file(path, format!("{} cannot be solved", read.mesh.words()));
         let formulation = Formulation::of_mesh(&read.mesh).ok_or_else(unknown)?;
         (read.mesh, formulation, read.notes.iter().map(ToString::to_string).collect())
@@ -107,8 +119,34 @@ pub fn read_body(
     let problem = Problem::body(mesh, formulation, Default::default());
     let (problem, note) = solved_by(problem, element.or(recorded))?;
     notes.extend((problem.given.is_some() && !is_recorded).then_some(note));
+    notes.splice(0..0, of_part);
     Ok(ReadBody { title: String::new(), problem, schedule: None, notes, files })
 }
+
+/// The mesh of a part, and what to know of it. A part that has been read before comes with its mesh in its place.
+fn mesh_of_part(
+    store: &Store,
+    path: &Path,
+    source: &Source,
+    bytes: &[u8],
+) -> Result<(Vec<u8>, Vec<String>), Vec<InputError>> {
+    if bytes.starts_with(b"$MeshFormat") {
+        return Ok((bytes.to_vec(), Vec::new()));
+    }
+    match store {
+        Store::Disk => kept_mesh(path, bytes, source.size.map(|size| size / source.scale)),
+        // Files that were sent from somewhere start no other program.
+        Store::Memory(_) => {
+            let what = "is a part without a mesh, and parts are meshed where they lie on a disk";
+            Err(InputError::about_file(path, what)
+                .with_help(Some(format!("`pneuflex mesh {}` first", path.display())))
+                .into())
+        }
+    }
+}
+
+/// Reads a mesh that is called by a name.
+type MeshReader = fn(&str, &[u8]) -> Result<msh::MeshFile, Vec<pneuflex_deck::DeckError>>;
 
 /// A body with the formulation that is asked for, and what it is solved with.
 fn solved_by(body: Problem, element: Option<Formulation>) -> Result<(Problem, String), InputError> {

@@ -12,7 +12,7 @@ const HEAD: usize = 4096;
 enum Kind {
     /// A few lines that stand for a large file of a repository.
     LfsPointer,
-    /// A mesh of Gmsh.
+    /// A mesh of Gmsh or VTK.
     Mesh,
     /// A deck of Abaqus or CalculiX.
     Deck,
@@ -22,6 +22,8 @@ enum Kind {
     Table,
     /// A shape that is not meshed yet.
     Geometry,
+    /// A shape of a program that is not read.
+    OtherGeometry,
     /// A mesh in a format that is not read.
     OtherMesh,
     /// Numbers or tables as JSON, as in a result folder.
@@ -41,10 +43,11 @@ pub fn not_a_case(path: &Path, bytes: &[u8]) -> Option<InputError> {
     };
     let (what, help) = match Kind::of(path, bytes)? {
         Kind::LfsPointer => return Some(lfs_pointer(path)),
-        Kind::Mesh => ("is a mesh of Gmsh, and a mesh needs a model file", around(&name)),
+        Kind::Mesh => ("is a mesh, and a mesh needs a model file", around(&name)),
         Kind::Deck => ("is an input deck, and the names of decks end in .inp", "save it under such a name".into()),
-        Kind::Surface => ("is a surface of triangles (STL) without an inside", mesh_first(&name)),
+        Kind::Surface => ("is a surface of triangles without a mesh inside", mesh_first(&name)),
         Kind::Geometry => ("is a geometry without a mesh", mesh_first(&name)),
+        Kind::OtherGeometry => ("is a geometry in a format that is not read", export_first()),
         Kind::OtherMesh => ("is a mesh in a format that is not read", convert_first()),
         Kind::Table => (
             "is a table, not a case file",
@@ -62,13 +65,19 @@ pub fn not_a_case(path: &Path, bytes: &[u8]) -> Option<InputError> {
 
 /// Says of a file that no body can be read from it, what it is instead.
 pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
-    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let (what, help) = match Kind::of(path, bytes) {
         Some(Kind::LfsPointer) => return lfs_pointer(path),
-        Some(Kind::Mesh) => ("is a mesh of Gmsh, whose names end in .msh", "save it under such a name".into()),
+        Some(Kind::Mesh) => {
+            ("is a mesh, and the names of meshes end in .msh (Gmsh) or .vtk", "save it under such a name".into())
+        }
         Some(Kind::Deck) => ("is an input deck, whose names end in .inp", "save it under such a name".into()),
-        Some(Kind::Surface) => ("is a surface of triangles (STL) without an inside", mesh_first(&name)),
-        Some(Kind::Geometry) => ("is a geometry without a mesh", mesh_first(&name)),
+        Some(Kind::Surface) => {
+            ("is a surface of triangles (STL), whose names end in .stl", "save it under such a name".into())
+        }
+        Some(Kind::Geometry) => {
+            ("is a geometry, whose names end in .step, .stp, .iges, .igs or .brep", "save it under such a name".into())
+        }
+        Some(Kind::OtherGeometry) => ("is a geometry in a format that is not read", export_first()),
         Some(Kind::OtherMesh) => ("is a mesh in a format that is not read", convert_first()),
         Some(Kind::Table | Kind::Json | Kind::Binary) | None => ("is neither a deck nor a mesh", KNOWN.into()),
     };
@@ -76,7 +85,8 @@ pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
 }
 
 /// What can be read.
-const KNOWN: &str = "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, meshes of Gmsh in .msh";
+const KNOWN: &str =
+    "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, meshes of Gmsh in .msh, of VTK in .vtk";
 
 /// Says of a file that it stands for another one, if it does.
 pub fn pointer(path: &Path, bytes: &[u8]) -> Option<InputError> {
@@ -93,13 +103,17 @@ fn lfs_pointer(path: &Path) -> InputError {
 }
 
 fn mesh_first(name: &str) -> String {
-    format!(
-        "fill it with tetrahedra first, e.g. by Gmsh (`gmsh -3 -order 2 {name}`, see the guide's page on models), and save a .msh"
-    )
+    format!("`pneuflex new model {name}` writes a model file around it, and `pneuflex mesh {name}` a mesh")
+}
+
+/// What leads on from a geometry of a program that is not read.
+fn export_first() -> String {
+    "export it as STEP from the program that drew it (of Gmsh's .geo: `gmsh -3 -order 2`, into a .msh)".into()
 }
 
 fn convert_first() -> String {
-    "convert it to a .msh of Gmsh (4.1) or to an .inp deck first, e.g. by Gmsh or meshio".into()
+    "convert it to a .msh of Gmsh, a legacy .vtk or an .inp deck first, e.g. by meshio (`meshio convert a.vtu a.vtk`)"
+        .into()
 }
 
 impl Kind {
@@ -112,17 +126,16 @@ impl Kind {
         let is_keyword = |line: &str| line.strip_prefix('*').is_some_and(|rest| rest.starts_with(char::is_alphabetic));
         Some(match extension.as_deref().unwrap_or("") {
             _ if is_lfs_pointer(head) => Self::LfsPointer,
-            _ if text.starts_with("$MeshFormat") => Self::Mesh,
-            "msh" => Self::Mesh,
-            "stl" => Self::Surface,
+            _ if text.starts_with("$MeshFormat") || text.starts_with("# vtk DataFile") => Self::Mesh,
+            "msh" | "vtk" => Self::Mesh,
+            "stl" | "obj" => Self::Surface,
             _ if text.starts_with("solid") && text.contains("facet normal") => Self::Surface,
             "csv" | "tsv" | "xls" | "xlsx" | "ods" => Self::Table,
-            "step" | "stp" | "iges" | "igs" | "brep" | "geo" | "geo_unrolled" | "sldprt" | "fcstd" | "3mf" => {
-                Self::Geometry
-            }
+            "step" | "stp" | "iges" | "igs" | "brep" => Self::Geometry,
+            "geo" | "geo_unrolled" | "sldprt" | "fcstd" | "3mf" => Self::OtherGeometry,
             _ if text.starts_with("ISO-10303-21") => Self::Geometry,
-            "vtk" | "vtu" | "vtp" | "vtm" | "obj" | "off" | "ply" | "nas" | "bdf" | "fem" | "cdb" | "med" | "unv"
-            | "mesh" | "meshb" | "e" | "exo" | "xdmf" | "odb" | "frd" | "k" => Self::OtherMesh,
+            "vtu" | "vtp" | "vtm" | "off" | "ply" | "nas" | "bdf" | "fem" | "cdb" | "med" | "unv" | "mesh"
+            | "meshb" | "e" | "exo" | "xdmf" | "odb" | "frd" | "k" => Self::OtherMesh,
             _ if is_keyword(first) => Self::Deck,
             "json" | "jsonl" => Self::Json,
             _ if text.starts_with('{') => Self::Json,
@@ -149,8 +162,8 @@ mod tests {
             ),
             ("mesh.toml", b"$MeshFormat\n4.1 0 8", "a mesh needs a model file"),
             ("deck.txt", b"** a remark\n\n*HEADING\nx", "end in .inp"),
-            ("part.STL", b"\x00\x01", "gmsh -3 -order 2 part.STL"),
-            ("part", b"solid part\n facet normal 0 0 1\n", "(STL)"),
+            ("part.STL", b"\x00\x01", "pneuflex new model part.STL"),
+            ("part", b"solid part\n facet normal 0 0 1\n", "surface of triangles"),
             ("curve.csv", b"1;2\n", "pneuflex fit"),
             ("part.step", b"ISO-10303-21;", "geometry"),
             ("body.vtu", b"<VTKFile>", "meshio"),
@@ -166,7 +179,8 @@ mod tests {
         }
         let body = |name: &str, bytes: &[u8]| not_a_body(Path::new(name), bytes).to_string();
         assert!(
-            body("a.stl", b"").contains("(STL)") && body("a.toml", b"[model]").contains("neither a deck nor a mesh")
+            body("a.dat", b"solid a\nfacet normal").contains("(STL)")
+                && body("a.toml", b"[model]").contains("neither a deck nor a mesh")
         );
         assert!(body("a.msh", b"version https://git-lfs.github.com/spec/v1").contains("Git LFS"));
     }

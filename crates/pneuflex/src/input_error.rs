@@ -48,6 +48,8 @@ pub enum InputErrorKind {
     OtherResults,
     /// The folder holds another sweep.
     OtherSweep,
+    /// A program that is needed is not there.
+    MissingProgram,
 }
 
 impl InputErrorKind {

@@ -111,6 +111,7 @@
 //! | [`error`], [`input_error`], [`reason`], [`diagnosis`], [`advice`], [`vocabulary`] | what went wrong, where, why, and what to try in terms of the file |
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
+//! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`] | result folders |
 //! | [`convergence`] | sequences of meshes |
 //! | [`document`] | case and model files as texts with places |
@@ -120,6 +121,7 @@ pub mod advice;
 pub mod analysis;
 pub mod body;
 mod body_file;
+pub mod cad;
 mod caution;
 pub mod checkpoint_file;
 pub mod convergence;
@@ -152,6 +154,7 @@ pub mod report_page;
 pub mod run;
 pub mod solution;
 pub mod start;
+pub mod start_model;
 mod store;
 pub mod study;
 pub mod template;

@@ -1,9 +1,12 @@
 //! What a problem was understood as, before it is solved.
 
 use std::fmt;
+use std::sync::Arc;
 
+use pneuflex_mesh::Facet;
+use pneuflex_model::chosen::bounds;
 use pneuflex_model::load::Load;
-use pneuflex_model::{Case, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape, SymmetryPlane};
+use pneuflex_model::{Case, Chooser, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape, SymmetryPlane};
 use pneuflex_post::stress::stability_limits;
 use pneuflex_post::summary::{ProbeSite, probe_sites};
 
@@ -314,6 +317,7 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
             }
         }
     }
+    rows_of_choices(analysis, &mut row);
     for pair in &problem.contact_pairs {
         let [slave, master] = [&pair.slave, &pair.master].map(|facets| plural(facets.len(), "face"));
         let stiffness = plain(pair.stiffness.unwrap_or(problem.contact.stiffness));
@@ -328,6 +332,56 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
         row("probe", probe(&name, &site));
     }
     rows.0
+}
+
+/// Hollow spaces that were found, and what the choices by place hold.
+fn rows_of_choices(analysis: &Analysis, row: &mut dyn FnMut(&'static str, String)) {
+    let mesh = &analysis.problem.mesh;
+    let area = |facets: &[Facet]| facets.iter().map(|&facet| mesh.face_place(facet).area).sum::<f64>();
+    for (name, hollow) in &analysis.hollows {
+        let mouth = hollow.mouth.map_or_else(
+            || "closed".to_owned(),
+            |mouth| {
+                let [x, y, z] = mouth.centre.map(short);
+                format!("open near ({x}, {y}, {z}) by {} mm2", short(mouth.area))
+            },
+        );
+        let (faces, walls) = (plural(hollow.facets.len(), "face"), short(area(&hollow.facets)));
+        row("hollow", format!("{name}: {faces}, {walls} mm2, {} mm3, {mouth}", short(hollow.volume)));
+    }
+    let Some(model) = analysis.description.model() else { return };
+    let chooser = Chooser::new(Arc::clone(&analysis.problem.mesh));
+    for (key, asked, choice) in model.choices().into_iter().filter(|(_, _, choice)| choice.name().is_none()) {
+        // What holds nothing has been refused.
+        let Ok(held) = chooser.holds(choice, asked) else { continue };
+        let counts = [(held.elements.len(), "element"), (held.nodes.len(), "node"), (held.facets.len(), "face")];
+        let mut said: Vec<String> =
+            counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| plural(count, what)).collect();
+        if !held.facets.is_empty() {
+            said.push(format!("{} mm2", short(area(&held.facets))));
+        }
+        if !held.elements.is_empty() {
+            said.push(format!("{} mm3", short(mesh.volume_of(held.elements.iter().copied()))));
+        }
+        let of_elements = held.elements.iter().flat_map(|&element| mesh.element(element as usize));
+        let nodes = held.nodes.iter().chain(of_elements).map(|&node| mesh.nodes[node as usize]);
+        if let Some([low, high]) = bounds(nodes) {
+            let range = |d: usize| format!("{} {} to {}", ["x", "y", "z"][d], short(low[d]), short(high[d]));
+            said.push([0, 1, 2].map(range).join(", "));
+        }
+        row("choice", format!("{key} {choice}: {}", said.join(", ")));
+    }
+}
+
+/// A length, an area or a volume to five digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.digits$}");
+    let text = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.to_owned() }
 }
 
 /// The shape of the worst element.

@@ -236,7 +236,7 @@ impl Study {
 /// A deck as the body of a model that says nothing else.
 fn source_of_deck(path: &Path) -> Source {
     let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    Source { file, scale: 1.0 }
+    Source::of_file(file)
 }
 
 fn read(path: &Path, text: &Arc<str>, changes: &[Change]) -> Result<Described, Vec<InputError>> {

@@ -69,7 +69,10 @@ pub fn wrong(py: Python<'_>, message: impl Into<String>) -> PyErr {
 /// What to do about bad input, in terms of the package.
 fn help(error: &InputError) -> Option<String> {
     let help = match error.kind() {
-        InputErrorKind::Other | InputErrorKind::Unknown | InputErrorKind::TooManyThreads => {
+        InputErrorKind::Other
+        | InputErrorKind::Unknown
+        | InputErrorKind::TooManyThreads
+        | InputErrorKind::MissingProgram => {
             return error.help().map(str::to_owned);
         }
         InputErrorKind::TooLarge => {

@@ -246,6 +246,9 @@ fn fate(files: &Files) -> Fate {
     if name.ends_with(".csv") {
         return curve(bytes);
     }
+    if name.ends_with(".stl") || name.ends_with(".obj") {
+        return surface(name, bytes);
+    }
     let refused = |error: pneuflex::Error| {
         let message = error.to_string();
         match message.is_empty() {
@@ -280,6 +283,20 @@ fn fate(files: &Files) -> Fate {
     }
 }
 
+/// A surface of triangles, up to where it would be meshed.
+fn surface(name: &str, bytes: &[u8]) -> Fate {
+    let Ok(read) = pneuflex::deck::surface::read(name, bytes) else { return Fate::Refused };
+    let Ok(bounded) = read.bounded() else { return Fate::Refused };
+    let is_refused = !bounded.surface.crossings(3).is_empty();
+    match bounded.surface.thinnest_wall() {
+        _ if is_refused => Fate::Refused,
+        Some(wall) if !(wall.thickness > 0.0 && wall.thickness.is_finite()) => {
+            Fate::Wrong("a wall has no thickness".into())
+        }
+        _ => Fate::Read,
+    }
+}
+
 /// A curve of a material test.
 fn curve(bytes: &[u8]) -> Fate {
     let Ok(text) = decode(bytes) else { return Fate::Refused };
@@ -301,7 +318,9 @@ mod tests {
     fn damaged_inputs_are_read_or_refused() {
         let curve =
             vec![("a.csv".to_owned(), b"stretch,uniaxial nominal stress (MPa)\n1.1,0.05\n1.2,0.1\n1.4,0.2\n".to_vec())];
-        let options = Options { inputs: 1500, seed: 1, seeds: vec![curve] };
+        let box_of_triangles = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n".to_vec();
+        let seeds = vec![curve, vec![("a.obj".to_owned(), box_of_triangles)]];
+        let options = Options { inputs: 1500, seed: 1, seeds };
         let tallies = run(&options, &|fault| panic!("input {}: {}", fault.input, fault.why));
         let (read, refused): (usize, usize) =
             tallies.iter().fold((0, 0), |(read, refused), tally| (read + tally.read, refused + tally.refused));

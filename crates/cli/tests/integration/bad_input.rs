@@ -396,12 +396,12 @@ fn another_kind_of_file_than_expected() {
     let scratch = Scratch::new("foreign");
     for (name, text, words) in [
         ("one_tet.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "a mesh needs a model file"),
-        ("part.stl", "solid part\nfacet normal 0 0 1\n", "without an inside"),
+        ("part.stl", "solid part\nfacet normal 0 0 1\n", "without a mesh inside"),
         ("curve.csv", "stretch;stress\n1;0\n", "pneuflex fit"),
         ("deck.txt", "*HEADING\n*NODE\n", "end in .inp"),
         ("case.toml", "version https://git-lfs.github.com/spec/v1\noid sha256:12\nsize 9\n", "git lfs pull"),
         ("deck.inp", "version https://git-lfs.github.com/spec/v1\noid sha256:12\nsize 9\n", "git lfs pull"),
-        ("a.toml", "[model]\nfile = \"part.stl\"\n[load]\ntimes = [1]\n", "gmsh -3"),
+        ("a.toml", "[model]\nfile = \"part.stl\"\n[load]\ntimes = [1]\n", "the file has no triangle"),
     ] {
         fs::write(scratch.path(name), text).unwrap();
         let ended = scratch.run(&["check", name]);

@@ -135,6 +135,16 @@ fn first_run() {
     works("first-run.md");
 }
 
+/// The chapter's part is drawn and meshed by Gmsh.
+#[test]
+fn from_cad() {
+    if pneuflex::cad::has_gmsh() {
+        works("from-cad.md");
+    } else {
+        eprintln!("passed over: Gmsh is not there (pip install gmsh)");
+    }
+}
+
 #[test]
 fn results() {
     works("results.md");

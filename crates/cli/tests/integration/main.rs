@@ -3,6 +3,7 @@
 //! * [`bad_input`]: one clear message, and nothing written.
 //! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`tables`], [`view`]: the commands.
 //! * [`sweeps`]: many designs, whatever dies; jobs of clusters.
+//! * [`parts`]: parts from CAD, and what is found in meshes.
 //! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
 //! * [`interrupted`]: runs that are killed, interrupted, robbed of their folder or started twice.
 //! * [`terminal`]: what is printed on a terminal.
@@ -20,6 +21,7 @@ mod interrupted;
 mod manual;
 mod models;
 mod obstacles;
+mod parts;
 mod rod;
 mod runs;
 mod stops;

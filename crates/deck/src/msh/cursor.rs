@@ -86,6 +86,23 @@ impl<'a> Cursor<'a> {
         Ok(if self.encoding == Encoding::BigEndian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
     }
 
+    /// A number of things in version 2.2, which is text always, at the end of a line.
+    pub fn count(&mut self) -> Result<u64, String> {
+        let encoding = std::mem::replace(&mut self.encoding, Encoding::Text);
+        let count = self.size();
+        if encoding != Encoding::Text {
+            self.next_line();
+        }
+        self.encoding = encoding;
+        count
+    }
+
+    /// A tag in version 2.2, four bytes in binary.
+    pub fn tag(&mut self) -> Result<u64, String> {
+        let tag = self.int()?;
+        u64::try_from(tag).map_err(|_| format!("{tag} is not a whole number of 0 or more"))
+    }
+
     /// A finite number, eight bytes in binary.
     pub fn double(&mut self) -> Result<f64, String> {
         let value = if self.encoding == Encoding::Text {

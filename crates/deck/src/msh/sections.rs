@@ -1,9 +1,10 @@
-//! Sections of a `.msh` file of version 4.1 → nodes, elements, groups. Gmsh's manual, "MSH file format".
+//! Sections of a `.msh` file of version 4.1 or 2.2 → nodes, elements, groups. Gmsh's manual, "MSH file format".
 
 use std::collections::BTreeMap;
 
 use super::cursor::{Cursor, Encoding};
-use super::element_types::nodes_of_type;
+use super::element_types::{form_of_type, nodes_of_type, ordered};
+use crate::raw_mesh::{RawElement, RawMesh};
 use crate::report::quoted;
 
 /// What a `.msh` file holds.
@@ -15,19 +16,10 @@ pub(super) struct Sections {
     pub groups: BTreeMap<(i32, i32), Vec<i32>>,
     /// Positions by node tag.
     pub nodes: BTreeMap<u64, [f64; 3]>,
-    pub elements: Vec<Element>,
-}
-
-/// An element as it is written.
-#[derive(Debug)]
-pub(super) struct Element {
-    pub tag: u64,
-    /// Gmsh's number of its type.
-    pub kind: i32,
-    /// Dimension and tag of the geometric entity that it belongs to.
-    pub entity: (i32, i32),
-    pub nodes: Vec<u64>,
-    pub line: u32,
+    /// Their groups are those of their geometric entity; in version 2.2 of the group itself.
+    pub elements: Vec<RawElement>,
+    /// Whether elements name groups themselves.
+    is_grouped: bool,
 }
 
 /// A line and what is wrong there.
@@ -40,7 +32,8 @@ impl Sections {
     pub fn read(bytes: &[u8]) -> Result<Self, Wrong> {
         let mut cursor = Cursor::new(bytes);
         let mut sections = Self::default();
-        read_format(&mut cursor)?;
+        let is_old = read_format(&mut cursor)?;
+        sections.is_grouped = is_old;
         let encoding = cursor.encoding;
         let (mut has_nodes, mut has_elements) = (false, false);
         while let Some(head) = cursor.next_full_line() {
@@ -56,8 +49,10 @@ impl Sections {
                     Err("partitioned meshes are not supported; save the mesh in one piece".to_owned())
                 }
                 "Nodes" if std::mem::replace(&mut has_nodes, true) => Err("a second $Nodes".to_owned()),
+                "Nodes" if is_old => sections.old_nodes(&mut cursor),
                 "Nodes" => sections.nodes(&mut cursor),
                 "Elements" if std::mem::replace(&mut has_elements, true) => Err("a second $Elements".to_owned()),
+                "Elements" if is_old => sections.old_elements(&mut cursor),
                 "Elements" => sections.elements(&mut cursor),
                 _ => Ok(()),
             };
@@ -147,13 +142,7 @@ impl Sections {
         for _ in 0..blocks {
             let entity = (cursor.int()?, cursor.int()?);
             let kind = cursor.int()?;
-            let count = nodes_of_type(kind).ok_or_else(|| {
-                format!(
-                    "elements of Gmsh's type {kind}{} are not supported; volumes must be meshed with hexahedra of 8, 20 or 27 nodes, \
-                     wedges of 6, 15 or 18 or tetrahedra of 4 or 10",
-                    if PYRAMIDS.contains(&kind) { ", pyramids," } else { "" }
-                )
-            })?;
+            let count = nodes_of_type(kind).ok_or_else(|| unsupported(kind))?;
             for _ in 0..cursor.size()? {
                 let line = cursor.line;
                 let tag = cursor.size()?;
@@ -161,14 +150,103 @@ impl Sections {
                 for _ in 0..count {
                     nodes.push(cursor.size()?);
                 }
-                self.elements.push(Element { tag, kind, entity, nodes, line });
+                self.add(tag, kind, entity.1, nodes, line);
             }
         }
         Ok(())
     }
+
+    fn add(&mut self, tag: u64, kind: i32, group: i32, nodes: Vec<u64>, line: u32) {
+        let (form, nodes) = (form_of_type(kind), ordered(kind, nodes));
+        self.elements.push(RawElement { tag, form, group: i64::from(group), nodes, line });
+    }
+
+    /// $Nodes of version 2.2.
+    fn old_nodes(&mut self, cursor: &mut Cursor<'_>) -> Result<(), String> {
+        for _ in 0..cursor.count()? {
+            let tag = cursor.tag()?;
+            if self.nodes.insert(tag, [cursor.double()?, cursor.double()?, cursor.double()?]).is_some() {
+                return Err(format!("node {tag} is there twice"));
+            }
+        }
+        Ok(())
+    }
+
+    /// $Elements of version 2.2.
+    fn old_elements(&mut self, cursor: &mut Cursor<'_>) -> Result<(), String> {
+        let total = cursor.count()?;
+        let mut read = 0;
+        while read < total {
+            // In binary, several of one type follow one head; their number and that of their tags stand there.
+            let (head, in_block) = if cursor.encoding == Encoding::Text {
+                (None, 1)
+            } else {
+                let (kind, count) = (cursor.int()?, cursor.int()?);
+                (Some((kind, cursor.int()?)), u64::try_from(count).map_err(|_| "a negative number of elements")?)
+            };
+            if in_block == 0 {
+                return Err("a block of no elements".into());
+            }
+            for _ in 0..in_block {
+                let line = cursor.line;
+                let tag = cursor.tag()?;
+                let (kind, tags) = match head {
+                    Some(head) => head,
+                    None => (cursor.int()?, cursor.int()?),
+                };
+                let count = nodes_of_type(kind).ok_or_else(|| unsupported(kind))?;
+                let mut group = 0;
+                for number in 0..tags {
+                    let value = cursor.int()?;
+                    group = if number == 0 { value } else { group };
+                }
+                let mut nodes = Vec::with_capacity(count);
+                for _ in 0..count {
+                    nodes.push(cursor.tag()?);
+                }
+                self.add(tag, kind, group, nodes, line);
+                read += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh with the names of its groups.
+    pub fn raw(self) -> RawMesh {
+        let name = |dimension: i32, group: i32| {
+            let kind =
+                ["point", "curve", "surface", "volume"].get(dimension.unsigned_abs() as usize).unwrap_or(&"group");
+            self.names.get(&(dimension, group)).cloned().unwrap_or_else(|| format!("{kind}_{group}"))
+        };
+        let by_dimension = |dimension: i32| u8::try_from(dimension).unwrap_or(u8::MAX);
+        let mut groups: BTreeMap<(u8, i64), Vec<String>> = BTreeMap::new();
+        if self.is_grouped {
+            // 0 is no group.
+            for element in self.elements.iter().filter(|element| element.group != 0) {
+                let dimension = element.form.dimension();
+                let of = |group: i64| vec![name(i32::from(dimension), group.unsigned_abs() as i32)];
+                groups.entry((dimension, element.group)).or_insert_with(|| of(element.group));
+            }
+        } else {
+            for (&(dimension, tag), of_entity) in &self.groups {
+                let names = of_entity.iter().map(|&group| name(dimension, group)).collect();
+                groups.insert((by_dimension(dimension), i64::from(tag)), names);
+            }
+        }
+        RawMesh { nodes: self.nodes, elements: self.elements, groups }
+    }
 }
 
-fn read_format(cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
+fn unsupported(kind: i32) -> String {
+    format!(
+        "elements of Gmsh's type {kind}{} are not supported; volumes must be meshed with hexahedra of 8, 20 or 27 nodes, wedges of 6, 15 \
+         or 18 or tetrahedra of 4 or 10",
+        if PYRAMIDS.contains(&kind) { ", pyramids," } else { "" }
+    )
+}
+
+/// Whether it is version 2.2.
+fn read_format(cursor: &mut Cursor<'_>) -> Result<bool, Wrong> {
     if cursor.next_full_line() != Some("$MeshFormat") {
         return Err((1, "a .msh file begins with $MeshFormat".to_owned()));
     }
@@ -177,9 +255,9 @@ fn read_format(cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
     let format = cursor.next_line().unwrap_or_default();
     let mut words = format.split_whitespace();
     let (version, binary, size) = (words.next().unwrap_or_default(), words.next(), words.next());
-    if version != "4.1" {
+    if !["4.1", "2.2"].contains(&version) {
         return wrong(format!(
-            "the file has version {} of the .msh format; only 4.1 is supported (gmsh -save -format msh41, or Mesh.MshFileVersion = 4.1)",
+            "the file has version {} of the .msh format; only 4.1 and 2.2 are supported (gmsh -save -format msh41, or Mesh.MshFileVersion = 4.1)",
             quoted(version)
         ));
     }
@@ -195,7 +273,11 @@ fn read_format(cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
         }
         _ => return wrong(format!("{} is no format of numbers, only 0 8 and 1 8 are", quoted(format))),
     };
-    if cursor.skip_behind("$EndMeshFormat") { Ok(()) } else { wrong("$MeshFormat without $EndMeshFormat".to_owned()) }
+    if cursor.skip_behind("$EndMeshFormat") {
+        Ok(version == "2.2")
+    } else {
+        wrong("$MeshFormat without $EndMeshFormat".to_owned())
+    }
 }
 
 fn short(name: &str) -> String {

@@ -3,6 +3,7 @@
 //! * [`syntax`]: keywords, parameters, data lines, included files.
 //! * [`mesh_and_sets`], [`materials`], [`steps`]: what the keywords mean.
 //! * [`msh`]: meshes of Gmsh.
+//! * [`vtk`]: meshes of VTK.
 //! * [`samples`]: whole decks, as they are and damaged.
 //! * [`calculix`]: whole decks against the displacements of CalculiX.
 
@@ -17,3 +18,4 @@ mod samples;
 mod steps;
 mod support;
 mod syntax;
+mod vtk;

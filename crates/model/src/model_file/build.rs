@@ -1,10 +1,14 @@
 //! From a model file and its body to a problem.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use pneuflex_mesh::{Actuator, Facet, Mesh};
 
+use super::hollows::Hollows;
 use super::tables::{CavityTable, ContactTable, EquationTable, Model, RegionTable, Steps, SupportTable};
+use crate::choice::Choice;
+use crate::chosen::{Chooser, NotChosen};
 use crate::contact_stiffness;
 use crate::load::{Cavity, Control, Curve, Gas, LinearEquation, Load, Motion};
 use crate::obstacle::Obstacle;
@@ -32,6 +36,10 @@ pub struct Study {
     pub times: Vec<f64>,
     /// Solver settings.
     pub solver: Solver,
+    /// Hollow spaces that were found, by the names of the sets of their walls.
+    pub hollows: Hollows,
+    /// What to know of the body.
+    pub notes: Vec<String>,
 }
 
 impl Model {
@@ -39,11 +47,20 @@ impl Model {
     ///
     /// # Errors
     /// Every set that does not exist or is empty, and what is missing.
-    pub fn study(&self, body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
+    pub fn study(&self, mut body: Problem, schedule: Option<(&[f64], f64)>) -> Result<Study, Vec<CaseError>> {
+        let mut notes = Vec::new();
+        let hollows = self.name_hollows(&mut body, &mut notes).map_err(|error| vec![error])?;
         let of_body = [body.supports.len(), body.loads.len(), body.obstacles.len()];
         let (actuator, load_keys) = (self.actuator.as_ref(), Vec::new());
-        let mut build =
-            Build { problem: body, actuator, errors: Vec::new(), first: LoadParameter::default(), end: 0.0, load_keys };
+        let mut build = Build {
+            chooser: Chooser::new(Arc::clone(&body.mesh)),
+            problem: body,
+            actuator,
+            errors: Vec::new(),
+            first: LoadParameter::default(),
+            end: 0.0,
+            load_keys,
+        };
         let times = match (&self.load, schedule) {
             (Some(load), _) => load.times.clone(),
             (None, Some((times, _))) => times.to_vec(),
@@ -87,7 +104,11 @@ impl Model {
         }
         build.problem.follow_faces();
         let solver = self.solver.resolved(build.end, schedule.map(|(_, first)| first));
-        if build.errors.is_empty() { Ok(Study { problem: build.problem, times, solver }) } else { Err(build.errors) }
+        if build.errors.is_empty() {
+            Ok(Study { problem: build.problem, times, solver, hollows, notes })
+        } else {
+            Err(build.errors)
+        }
     }
 
     /// Refuses what the part of a body that is cut at a plane of symmetry cannot stand for; `of_body` are the numbers of supports, loads and
@@ -139,7 +160,7 @@ impl Model {
         for (i, pressure) in self.pressures.iter().enumerate() {
             let facets = build.facets(&format!("pressure[{i}].faces"), &pressure.faces);
             let curve = build.curve(&pressure.pressure_kpa, MPA_PER_KPA);
-            build.load(Load::Pressure { facets, curve }, format!("pressure[{i}].faces"), pressure.faces.clone());
+            build.load(Load::Pressure { facets, curve }, format!("pressure[{i}].faces"), quoted(&pressure.faces));
         }
         if let Some(gravity) = &self.gravity {
             let curve = build.factor(gravity.factor.as_ref());
@@ -178,6 +199,7 @@ impl Steps {
 /// A problem that is being put together.
 struct Build<'a> {
     problem: Problem,
+    chooser: Chooser,
     /// Lengths of the body, if it is an actuator's.
     actuator: Option<&'a Actuator>,
     errors: Vec<CaseError>,
@@ -216,58 +238,46 @@ impl Build<'_> {
         }
     }
 
-    fn unknown<T>(&mut self, key: &str, name: &str, what: &str, sets: Vec<String>) -> Vec<T> {
-        let known = if sets.is_empty() { "there are none".into() } else { sets.join(", ") };
-        self.complain(key, format!("{name:?}"), format!("must be {what} of the body: {known}"));
-        Vec::new()
+    /// What a choice holds; nothing, with a complaint, where that is nothing.
+    fn held<T>(&mut self, key: &str, choice: &Choice, found: Result<Vec<T>, NotChosen>) -> Vec<T> {
+        found.unwrap_or_else(|why| {
+            let allowed = match (why, choice) {
+                (NotChosen::Unknown { what, known, .. }, Choice::Named(_)) => {
+                    format!("must be {what} of the body: {known}")
+                }
+                (why, _) => why.to_string(),
+            };
+            self.complain(key, quoted(choice), allowed);
+            Vec::new()
+        })
     }
 
-    /// The nodes of a node set, or of a surface.
-    fn nodes(&mut self, key: &str, name: &str) -> Vec<u32> {
-        let mesh = &self.problem.mesh;
-        if let Some((_, nodes)) = named(&mesh.node_sets, name).filter(|(_, nodes)| !nodes.is_empty()) {
-            return nodes.clone();
-        }
-        if let Some((_, facets)) = named(&mesh.facet_sets, name).filter(|(_, facets)| !facets.is_empty()) {
-            let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
-            nodes.sort_unstable();
-            nodes.dedup();
-            return nodes;
-        }
-        let sets = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).cloned().collect();
-        self.unknown(key, name, "a node set or a surface", sets)
+    fn nodes(&mut self, key: &str, choice: &Choice) -> Vec<u32> {
+        let found = self.chooser.nodes(choice);
+        self.held(key, choice, found)
     }
 
-    /// The nodes of a node set, or of a surface, with their shares in what is spread evenly over it.
-    fn shares(&mut self, key: &str, name: &str) -> Vec<(u32, f64)> {
-        let mesh = &self.problem.mesh;
-        let is_node_set = named(&mesh.node_sets, name).is_some_and(|(_, nodes)| !nodes.is_empty());
-        if let Some((_, facets)) =
-            named(&mesh.facet_sets, name).filter(|(_, facets)| !is_node_set && !facets.is_empty())
-        {
-            return mesh.shares_of_faces(facets);
+    /// Nodes with their shares in what is spread evenly over them, or over the faces that they are of.
+    fn shares(&mut self, key: &str, choice: &Choice) -> Vec<(u32, f64)> {
+        if self.chooser.is_of_faces(choice) {
+            let facets = self.facets(key, choice);
+            return self.problem.mesh.shares_of_faces(&facets);
         }
-        let nodes = self.nodes(key, name);
+        let nodes = self.nodes(key, choice);
         let shares = self.problem.mesh.shares(&nodes);
         nodes.into_iter().zip(shares).collect()
     }
 
-    fn facets(&mut self, key: &str, name: &str) -> Vec<Facet> {
-        let mesh = &self.problem.mesh;
-        match named(&mesh.facet_sets, name).filter(|(_, facets)| !facets.is_empty()) {
-            Some((_, facets)) => facets.clone(),
-            None => {
-                let sets = mesh.facet_sets.keys().cloned().collect();
-                let is_joined = self.actuator.is_some_and(Actuator::has_channel);
-                if is_joined && name.strip_prefix("cavity_").is_some_and(|number| number.parse::<usize>().is_ok()) {
-                    let why = "the channel joins the cavities, and its air has one pressure: set \
-                               actuator.channel.half_width = 0 for chambers with air of their own, or use cavity";
-                    self.complain(key, format!("{name:?}"), why.into());
-                    return Vec::new();
-                }
-                self.unknown(key, name, "a surface", sets)
-            }
+    fn facets(&mut self, key: &str, choice: &Choice) -> Vec<Facet> {
+        let found = self.chooser.facets(choice);
+        let is_joined = self.actuator.is_some_and(Actuator::has_channel);
+        let number = choice.name().and_then(|name| name.strip_prefix("cavity_"));
+        if found.is_err() && is_joined && number.is_some_and(|number| number.parse::<usize>().is_ok()) {
+            let why = "the channel joins the cavities, and its air has one pressure: set actuator.channel.half_width = 0 for \
+                       chambers with air of their own, or use cavity";
+            return self.held(key, choice, Err(NotChosen::Nothing(why.into())));
         }
+        self.held(key, choice, found)
     }
 
     fn curve(&self, series: &Series, unit: f64) -> Curve {
@@ -282,13 +292,13 @@ impl Build<'_> {
     }
 
     fn region(&mut self, number: usize, table: &RegionTable) {
-        let mesh = &self.problem.mesh;
+        let key = format!("region[{number}].elements");
         let elements: Vec<u32> = match (&table.elements, table.within) {
-            (Some(name), _) => match named(&mesh.element_sets, name).filter(|(_, elements)| !elements.is_empty()) {
-                Some((_, elements)) => elements.clone(),
+            (Some(choice), _) => match choice.only_box() {
+                Some(corners) => self.elements_of_box(&key, corners),
                 None => {
-                    let sets = mesh.element_sets.keys().cloned().collect();
-                    self.unknown(&format!("region[{number}].elements"), name, "an element set", sets)
+                    let found = self.chooser.elements(choice);
+                    self.held(&key, choice, found)
                 }
             },
             (None, Some(corners)) => self.elements_of_box(&format!("region[{number}].box"), corners),
@@ -335,7 +345,8 @@ impl Build<'_> {
         let axes = ['x', 'y', 'z'].map(|axis| table.axes.contains(axis));
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
-        self.problem.supports.push(Support { name: table.nodes.clone(), nodes, axes, motion });
+        let name = table.nodes.name().map_or_else(|| format!("support_{}", number + 1), str::to_owned);
+        self.problem.supports.push(Support { name, nodes, axes, motion });
         if table.symmetry && self.errors.is_empty() {
             let declared = self.problem.declare_symmetry(self.problem.supports.len() - 1);
             if let Err(why) = declared {
@@ -364,7 +375,7 @@ impl Build<'_> {
         }
         let value = table.value.as_ref().map_or(Curve::ZERO, |series| self.curve(series, 1.0));
         for row in 0..count {
-            let term = |(set, (_, axis, coefficient)): (&Vec<u32>, &(String, String, f64))| {
+            let term = |(set, (_, axis, coefficient)): (&Vec<u32>, &(Choice, String, f64))| {
                 let axis = "xyz".find(axis.as_str()).unwrap_or(0) as u8;
                 (set[row.min(set.len() - 1)], axis, *coefficient)
             };
@@ -388,7 +399,7 @@ impl Build<'_> {
         let other = self.problem.cavities.iter().find(|other| other.facets.iter().any(|facet| known.contains(facet)));
         if let Some(name) = other.map(|other| other.name.clone()) {
             let why = format!("the cavity {name:?} has some of these faces already: they would feel the air of both");
-            self.complain(&key, format!("{:?}", table.faces), why);
+            self.complain(&key, quoted(&table.faces), why);
         }
         let control = match (&table.pressure_kpa, &table.volume_mm3, &table.gas) {
             (Some(pressure), _, _) => Control::Pressure(self.curve(pressure, MPA_PER_KPA)),
@@ -406,7 +417,7 @@ impl Build<'_> {
             _ => self.problem.cavity_plane(&cavity).err(),
         };
         if let Some(error) = is_open.filter(|_| self.errors.is_empty()) {
-            self.complain(&format!("cavity[{number}].faces"), format!("{:?}", table.faces), error.to_string());
+            self.complain(&format!("cavity[{number}].faces"), quoted(&table.faces), error.to_string());
         }
         self.problem.cavities.push(cavity);
     }
@@ -438,7 +449,7 @@ impl Build<'_> {
             Some(_) => {
                 let allowed =
                     "these surfaces are kept apart already: a second time would make their contact twice as stiff";
-                self.complain(&format!("contact[{number}].slave"), format!("{:?}", table.slave), allowed.into());
+                self.complain(&format!("contact[{number}].slave"), quoted(&table.slave), allowed.into());
             }
             None => {}
         }
@@ -446,7 +457,10 @@ impl Build<'_> {
             self.problem.contact = Contact { stiffness, method: ContactMethod::Mortar, ..Contact::default() };
         }
         let penetration_tolerance = table.penetration_tolerance.or_else(|| self.tolerance(table.stiffness, &slave));
-        let name = format!("{}-{}", table.slave, table.master);
+        let name = match (table.slave.name(), table.master.name()) {
+            (Some(slave), Some(master)) => format!("{slave}-{master}"),
+            _ => format!("contact_{}", number + 1),
+        };
         let pair = ContactPair::new(name, slave, master);
         let is_of_one_surface = pair.is_of_one_surface(&self.problem.mesh);
         if is_of_one_surface && table.method == Some(ContactMethod::Mortar) {
@@ -469,7 +483,8 @@ impl Build<'_> {
     }
 
     fn obstacle(&mut self, number: usize, table: &ObstacleTable) {
-        let facets = self.facets(&format!("obstacle[{number}].faces"), table.faces.as_deref().unwrap_or("outer"));
+        let facets =
+            self.facets(&format!("obstacle[{number}].faces"), &table.faces.clone().unwrap_or_else(|| "outer".into()));
         let motion =
             table.displacement.map(|displacement| Motion { displacement, curve: self.factor(table.factor.as_ref()) });
         let is_known = self.problem.obstacles.iter().any(|obstacle| obstacle.name == table.name);
@@ -502,9 +517,9 @@ impl Build<'_> {
     }
 }
 
-/// Names of sets are found whatever the case of their letters, exact ones first: decks know none.
-fn named<'a, T>(sets: &'a BTreeMap<String, Vec<T>>, name: &str) -> Option<(&'a String, &'a Vec<T>)> {
-    sets.get_key_value(name).or_else(|| sets.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)))
+/// A choice as a message has it.
+fn quoted(choice: &Choice) -> String {
+    choice.name().map_or_else(|| choice.to_string(), |name| format!("{name:?}"))
 }
 
 /// Elements whose mean corner lies between two corners of a box.

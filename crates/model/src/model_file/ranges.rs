@@ -16,6 +16,10 @@ impl Model {
         }
         if let Some(source) = &self.model {
             found.unless_positive("model.scale", source.scale, Quantity::Factor);
+            if let Some(size) = source.size {
+                found.unless_positive("model.size", size, Quantity::Length);
+            }
+            finite(&mut found, "model.inlet", source.inlet.0.as_flattened(), Quantity::Length);
         }
         self.output.check(&mut found);
         found.0.extend(self.actuator.iter().flat_map(|actuator| actuator.problems()).map(CaseError::from));
@@ -59,6 +63,9 @@ impl Model {
                 found.add(&format!("equation[{i}].terms"), &equation.terms, "must not be empty");
             }
             series(&mut found, &format!("equation[{i}].value"), equation.value.as_ref(), Quantity::Length);
+        }
+        for (key, _, choice) in self.choices() {
+            choice.check(&key, &mut found);
         }
         self.check_loads(&mut found);
         self.check_obstacles(&mut found);

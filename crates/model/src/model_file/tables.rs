@@ -1,8 +1,11 @@
 //! The model file's tables.
 
-use pneuflex_mesh::{Actuator, Cuts};
-use serde::{Deserialize, Serialize};
+use pneuflex_mesh::{Actuator, Cuts, NumberOrList, number_or_list};
+use serde::de;
+use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::choice::Choice;
+use crate::chosen::Asked;
 use crate::material::Material;
 use crate::obstacle_table::ObstacleTable;
 use crate::options::{ContactMethod, Continuation, MeshOptions, Output, Probe};
@@ -78,17 +81,99 @@ impl Model {
         self.regions.iter().filter_map(|region| region.within).for_each(|corners| cuts.add_box(corners));
         cuts
     }
+
+    /// What is chosen in it: the keys, what is asked for there, the choices.
+    pub fn choices(&self) -> Vec<(String, Asked, &Choice)> {
+        let mut found = Vec::new();
+        let mut add = |key: String, asked: Asked, choice| found.push((key, asked, choice));
+        for (i, region) in self.regions.iter().enumerate() {
+            region.elements.iter().for_each(|choice| add(format!("region[{i}].elements"), Asked::Elements, choice));
+        }
+        for (i, support) in self.supports.iter().enumerate() {
+            add(format!("support[{i}].nodes"), Asked::Nodes, &support.nodes);
+        }
+        for (i, equation) in self.equations.iter().enumerate() {
+            for (j, (choice, ..)) in equation.terms.iter().enumerate() {
+                add(format!("equation[{i}].terms[{j}]"), Asked::Nodes, choice);
+            }
+        }
+        for (i, cavity) in self.cavities.iter().enumerate() {
+            add(format!("cavity[{i}].faces"), Asked::Faces, &cavity.faces);
+        }
+        for (i, force) in self.forces.iter().enumerate() {
+            add(format!("force[{i}].nodes"), Asked::Nodes, &force.nodes);
+        }
+        for (i, traction) in self.tractions.iter().enumerate() {
+            add(format!("traction[{i}].faces"), Asked::Faces, &traction.faces);
+        }
+        for (i, pressure) in self.pressures.iter().enumerate() {
+            add(format!("pressure[{i}].faces"), Asked::Faces, &pressure.faces);
+        }
+        for (i, contact) in self.contacts.iter().enumerate() {
+            add(format!("contact[{i}].slave"), Asked::Faces, &contact.slave);
+            add(format!("contact[{i}].master"), Asked::Faces, &contact.master);
+        }
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            obstacle.faces.iter().for_each(|choice| add(format!("obstacle[{i}].faces"), Asked::Faces, choice));
+        }
+        found
+    }
 }
 
 /// The file that holds the body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// An Abaqus or CalculiX deck (`.inp`) or a Gmsh mesh (`.msh`), relative to the model file.
+    /// An Abaqus or CalculiX deck (`.inp`), a mesh of Gmsh (`.msh`) or VTK (`.vtk`), or a part from CAD, relative to the model file.
     pub file: String,
     /// Millimetres per unit of length in a mesh; decks are in mm, N, MPa.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scale: f64,
+    /// Largest edge of the elements of a part, mm; from its thinnest wall if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<f64>,
+    /// Points in the mouths of chambers that open to the outside, mm.
+    #[serde(default, skip_serializing_if = "Inlets::is_empty")]
+    pub inlet: Inlets,
+}
+
+impl Source {
+    /// A file in mm whose chambers are found by themselves.
+    pub fn of_file(file: impl Into<String>) -> Self {
+        Self { file: file.into(), scale: 1.0, size: None, inlet: Inlets::default() }
+    }
+}
+
+/// Points in the mouths of chambers: one `[x, y, z]`, or several.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Inlets(pub Vec<[f64; 3]>);
+
+impl Inlets {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl<'de> Deserialize<'de> for Inlets {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entry(NumberOrList<[f64; 3]>);
+
+        impl<'de> Deserialize<'de> for Entry {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                number_or_list(deserializer, "a coordinate of one point, or a point [x, y, z] of several").map(Self)
+            }
+        }
+
+        let entries = Vec::<Entry>::deserialize(deserializer)?;
+        let number = |entry: &Entry| if let Entry(NumberOrList::Number(x)) = entry { Some(*x) } else { None };
+        let point = |entry: &Entry| if let Entry(NumberOrList::List(x)) = entry { Some(*x) } else { None };
+        let one: Option<Vec<f64>> = entries.iter().map(number).collect();
+        if let Some([x, y, z]) = one.as_deref() {
+            return Ok(Self(vec![[*x, *y, *z]]));
+        }
+        let several: Option<Vec<[f64; 3]>> = entries.iter().map(point).collect();
+        several.map(Self).ok_or_else(|| de::Error::custom("must be a point [x, y, z], or a list of such points"))
+    }
 }
 
 /// Elements with a material of their own.
@@ -97,9 +182,9 @@ pub struct Source {
 pub struct RegionTable {
     /// Name in reports.
     pub name: String,
-    /// An element set.
+    /// Which elements.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub elements: Option<String>,
+    pub elements: Option<Choice>,
     /// Instead: the elements whose centre lies between two corners, mm.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub within: Option<[[f64; 3]; 2]>,
@@ -111,8 +196,8 @@ pub struct RegionTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SupportTable {
-    /// A node set, or the nodes of a surface.
-    pub nodes: String,
+    /// A node set, the nodes of a surface, or where they are.
+    pub nodes: Choice,
     /// Held axes, e.g. `xyz` or `y`.
     pub axes: String,
     /// Displacement at the end, or where the factor is 1, mm.
@@ -131,7 +216,7 @@ pub struct SupportTable {
 #[serde(deny_unknown_fields)]
 pub struct EquationTable {
     /// Terms \[node set, axis, coefficient\]: sets of one node, or all of the same size, which gives one equation for each.
-    pub terms: Vec<(String, String, f64)>,
+    pub terms: Vec<(Choice, String, f64)>,
     /// Right-hand side by time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<Series>,
@@ -144,7 +229,7 @@ pub struct CavityTable {
     /// Name in reports.
     pub name: String,
     /// Surface of its walls.
-    pub faces: String,
+    pub faces: Choice,
     /// Pressure by time, kPa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_kpa: Option<Series>,
@@ -166,8 +251,8 @@ pub struct CavityTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceTable {
-    /// A node set, or a surface.
-    pub nodes: String,
+    /// A node set, a surface, or where they are.
+    pub nodes: Choice,
     /// Force in all, N, spread evenly over the faces or edges that the nodes make up; single nodes get equal shares.
     pub total: [f64; 3],
     /// Factor by time.
@@ -180,7 +265,7 @@ pub struct ForceTable {
 #[serde(deny_unknown_fields)]
 pub struct TractionTable {
     /// A surface.
-    pub faces: String,
+    pub faces: Choice,
     /// Force per area at rest, MPa.
     pub traction_mpa: [f64; 3],
     /// Factor by time.
@@ -193,7 +278,7 @@ pub struct TractionTable {
 #[serde(deny_unknown_fields)]
 pub struct PressureTable {
     /// A surface.
-    pub faces: String,
+    pub faces: Choice,
     /// Pressure by time, kPa.
     pub pressure_kpa: Series,
 }
@@ -214,9 +299,9 @@ pub struct GravityTable {
 #[serde(deny_unknown_fields)]
 pub struct ContactTable {
     /// Surface that carries the contact points.
-    pub slave: String,
+    pub slave: Choice,
     /// Surface onto which they are projected; the same one for a surface that may touch itself.
-    pub master: String,
+    pub master: Choice,
     /// How the surfaces are kept apart; [`ContactMethod::Mortar`] if it is left out, or as in the gaps of an actuator.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<ContactMethod>,

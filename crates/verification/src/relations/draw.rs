@@ -6,6 +6,7 @@
 use pneuflex::mesh::lattice::Lattice;
 use pneuflex::mesh::testing::mixed;
 use pneuflex::mesh::{Actuator, Channel, ElementKind, Facet, Mesh, Part, PerChamber};
+use pneuflex::model::choice::{Ball, Choice, Conditions, Direction, Plane};
 use pneuflex::model::model_file::{
     CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Source,
     Steps, SupportTable, Times, TractionTable,
@@ -244,7 +245,7 @@ impl Target {
 }
 
 /// An obstacle below a body, hardly or not yet touched; beside the middle plane now and then.
-fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<String>) -> ObstacleTable {
+fn obstacle(dice: &mut Dice, target: &Target, name: &str, faces: Option<Choice>) -> ObstacleTable {
     let [low, high] = target.corners;
     let [length, height] = [high[0] - low[0], high[2] - low[2]];
     let shape = dice.one_of(&[ShapeName::Plane, ShapeName::Sphere, ShapeName::Cylinder, ShapeName::Cuboid]);
@@ -375,7 +376,9 @@ fn case(dice: &mut Dice, scale: Scale) -> Case {
             self_contact: is_multi_point && dice.chance(0.2),
             penetration_tolerance: dice.maybe(0.1, |_| 0.01),
         },
-        obstacles: (0..count).map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone())).collect(),
+        obstacles: (0..count)
+            .map(|i| obstacle(dice, &target, &format!("obstacle {i}"), faces.clone().map(Choice::from)))
+            .collect(),
         load: Load {
             pressure_kpa: if dice.chance(0.5) { vec![last] } else { vec![0.5 * last, last] },
             chamber_factor: chamber_factor(dice, &actuator),
@@ -500,7 +503,7 @@ fn cavity(dice: &mut Dice, faces: &str, shear_modulus: f64, volume: f64, end: f6
     let of = |name: &str| (control == name).then(|| values.clone());
     CavityTable {
         name: "air".into(),
-        faces: faces.to_owned(),
+        faces: faces.into(),
         pressure_kpa: of("pressure"),
         volume_mm3: of("volume"),
         gas: of("gas"),
@@ -516,7 +519,7 @@ fn across(dice: &mut Dice) -> f64 {
 
 fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTable> {
     let table = |dice: &mut Dice| ForceTable {
-        nodes: nodes.to_owned(),
+        nodes: nodes.into(),
         total: [dice.between(-0.02, 0.02), across(dice), dice.between(-0.004, 0.004)].map(|x| x * strength),
         factor: factor(dice, end),
     };
@@ -525,7 +528,7 @@ fn forces(dice: &mut Dice, nodes: &str, strength: f64, end: f64) -> Vec<ForceTab
 
 fn tractions(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<TractionTable> {
     let table = |dice: &mut Dice| TractionTable {
-        faces: faces.to_owned(),
+        faces: faces.into(),
         traction_mpa: [dice.between(-0.01, 0.01), across(dice), dice.between(-0.004, 0.004)].map(|x| x * shear_modulus),
         factor: factor(dice, end),
     };
@@ -535,7 +538,7 @@ fn tractions(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<
 fn pressures(dice: &mut Dice, faces: &str, shear_modulus: f64, end: f64) -> Vec<PressureTable> {
     let table = |dice: &mut Dice| {
         let pressure = 1e3 * shear_modulus * dice.between(-0.01, 0.01);
-        PressureTable { faces: faces.to_owned(), pressure_kpa: series(dice, pressure, end) }
+        PressureTable { faces: faces.into(), pressure_kpa: series(dice, pressure, end) }
     };
     dice.maybe(0.25, table).into_iter().collect()
 }
@@ -606,7 +609,7 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         let is_box = dice.chance(0.5);
         RegionTable {
             name: "stiff".into(),
-            elements: (!is_box).then(|| "front".to_owned()),
+            elements: (!is_box).then(|| "front".into()),
             within: is_box.then_some([[-1.0, -99.0, -1.0], [third, 99.0, 99.0]]),
             material: other_material(dice, &material),
         }
@@ -617,9 +620,9 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
     };
     let hole = size[0] * area / 27.0;
     let count = dice.one_of(&[0, 0, 1, 1, 2]);
-    let model = Model {
+    let mut model = Model {
         title: title(dice),
-        model: Some(Source { file: String::new(), scale: 1.0 }),
+        model: Some(Source::of_file("")),
         actuator: None,
         mesh: MeshOptions::default(),
         regions: dice.maybe(0.3, region).into_iter().collect(),
@@ -666,7 +669,48 @@ fn block_model(dice: &mut Dice, scale: Scale) -> Draw {
         output: output(dice),
         material: Some(material),
     };
+    if dice.chance(0.4) {
+        by_place(dice, &mut model, [low, high]);
+    }
     Draw::Model(Box::new(model), Some(Body { mesh, formulation }))
+}
+
+/// Says of some sets of a block where they are instead of their names: the same faces, nodes and elements.
+fn by_place(dice: &mut Dice, model: &mut Model, [low, high]: [[f64; 3]; 2]) {
+    let direction = |v: [f64; 3]| Some(Direction(v));
+    let conditions = Conditions::default;
+    let x0 = Plane { point: [low[0], 1.0, 2.0], normal: Direction([-1.0, 0.0, 0.0]) };
+    let everything = Ball { centre: high, radius: 99.0 };
+    let not = |name: &str| Choice::from(Conditions { not: Some(name.into()), ..conditions() });
+    let either = |one: &str, other: &str| Conditions { or: Some(vec![one.into(), other.into()]), ..conditions() };
+    let mut change = |choice: &mut Choice| {
+        let placed = match choice.name() {
+            Some("x0") => Conditions { plane: Some(x0), ..conditions() },
+            Some("x1") => Conditions {
+                within: Some([[high[0], -99.0, -99.0], [high[0], 99.0, 99.0]]),
+                normal: direction([1.0, 0.0, 0.0]),
+                angle: Some(5.0),
+                tolerance: Some(1e-4),
+                ..conditions()
+            },
+            Some("z1") => {
+                let near = [0.5 * (low[0] + high[0]), 0.5 * high[1], high[2]];
+                Conditions { near: Some(near), ..conditions() }
+            }
+            Some("z0") => Conditions { and: Some(vec![either("z0", "z1").into(), not("z1")]), ..conditions() },
+            Some("front") => Conditions { sphere: Some(everything), and: Some(vec!["front".into()]), ..conditions() },
+            _ => return,
+        };
+        if dice.chance(0.7) {
+            *choice = placed.into();
+        }
+    };
+    model.regions.iter_mut().filter_map(|region| region.elements.as_mut()).for_each(&mut change);
+    model.supports.iter_mut().for_each(|support| change(&mut support.nodes));
+    model.forces.iter_mut().for_each(|force| change(&mut force.nodes));
+    model.tractions.iter_mut().for_each(|traction| change(&mut traction.faces));
+    model.pressures.iter_mut().for_each(|pressure| change(&mut pressure.faces));
+    model.obstacles.iter_mut().filter_map(|obstacle| obstacle.faces.as_mut()).for_each(&mut change);
 }
 
 fn contact_table(dice: &mut Dice, slave: &str, master: &str) -> ContactTable {

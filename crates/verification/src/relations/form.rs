@@ -52,7 +52,7 @@ impl Draw {
     /// The files of a form; `None` if it has none or cannot be written so.
     pub fn files(&self, form: Form) -> Option<Files> {
         let text = |model: &Model, file: &str, scale: f64| {
-            let source = model.model.as_ref().map(|_| Source { file: file.into(), scale });
+            let source = model.model.as_ref().map(|source| Source { file: file.into(), scale, ..source.clone() });
             let text = toml::to_string(&Model { model: source, ..model.clone() }).unwrap_or_default();
             ("draw.toml".to_owned(), text.into_bytes())
         };

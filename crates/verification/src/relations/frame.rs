@@ -7,7 +7,7 @@ use pneuflex::model::model_file::{
     CavityTable, ContactTable, EquationTable, ForceTable, GravityTable, Model, PressureTable, RegionTable, Series,
     Steps, SupportTable, TractionTable,
 };
-use pneuflex::model::{Material, ObstacleTable, Probe, ShapeName};
+use pneuflex::model::{Choice, Material, ObstacleTable, Probe, ShapeName};
 
 /// X' = `length` · `turn` X, stresses times `stress`.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +87,10 @@ impl Frame {
         Material { law: material.law.scaled(s), bulk_modulus: s * material.bulk_modulus, ..material.clone() }
     }
 
+    fn choice(&self, choice: &Choice) -> Choice {
+        choice.moved(&|x| self.point(x), &|v| self.direction(v), self.length)
+    }
+
     fn obstacle(&self, table: &ObstacleTable) -> ObstacleTable {
         let ObstacleTable {
             name,
@@ -113,7 +117,7 @@ impl Frame {
             shape: match shape {
                 ShapeName::Plane | ShapeName::Sphere | ShapeName::Cylinder | ShapeName::Cuboid => shape,
             },
-            faces,
+            faces: faces.map(|faces| self.choice(&faces)),
             point: point.map(|x| self.point(x)),
             normal: normal.map(|v| self.direction(v)),
             centre: centre.map(|x| self.point(x)),
@@ -177,14 +181,14 @@ impl Frame {
             regions: (regions.into_iter())
                 .map(|RegionTable { name, elements, within, material }| RegionTable {
                     name,
-                    elements,
+                    elements: elements.map(|elements| self.choice(&elements)),
                     within: within.map(|corners| corners.map(|corner| self.point(corner))),
                     material: self.material(&material),
                 })
                 .collect(),
             supports: (supports.into_iter())
                 .map(|SupportTable { nodes, axes, displacement, factor, symmetry }| SupportTable {
-                    nodes,
+                    nodes: self.choice(&nodes),
                     axes: self.axes(&axes),
                     displacement: displacement.map(|u| self.point(u)),
                     factor: self.factor(factor.as_ref()),
@@ -196,7 +200,7 @@ impl Frame {
                     terms: (terms.into_iter())
                         .map(|(nodes, axis, coefficient)| {
                             let (axis, sign) = self.axis(axis.chars().next().unwrap_or('x'));
-                            (nodes, axis.to_string(), sign * coefficient)
+                            (self.choice(&nodes), axis.to_string(), sign * coefficient)
                         })
                         .collect(),
                     value: value.map(|value| self.series(&value, self.length)),
@@ -206,7 +210,7 @@ impl Frame {
                 .map(|CavityTable { name, faces, pressure_kpa, volume_mm3, gas, atmosphere_kpa, exponent }| {
                     CavityTable {
                         name,
-                        faces,
+                        faces: self.choice(&faces),
                         pressure_kpa: pressure_kpa.map(|series| self.series(&series, stress)),
                         volume_mm3: volume_mm3.map(|series| self.series(&series, volume)),
                         gas: gas.map(|series| self.series(&series, 1.0)),
@@ -217,21 +221,21 @@ impl Frame {
                 .collect(),
             forces: (forces.into_iter())
                 .map(|ForceTable { nodes, total, factor }| ForceTable {
-                    nodes,
+                    nodes: self.choice(&nodes),
                     total: self.force(total),
                     factor: self.factor(factor.as_ref()),
                 })
                 .collect(),
             tractions: (tractions.into_iter())
                 .map(|TractionTable { faces, traction_mpa, factor }| TractionTable {
-                    faces,
+                    faces: self.choice(&faces),
                     traction_mpa: self.direction(traction_mpa).map(|t| stress * t),
                     factor: self.factor(factor.as_ref()),
                 })
                 .collect(),
             pressures: (pressures.into_iter())
                 .map(|PressureTable { faces, pressure_kpa }| PressureTable {
-                    faces,
+                    faces: self.choice(&faces),
                     pressure_kpa: self.series(&pressure_kpa, stress),
                 })
                 .collect(),
@@ -241,6 +245,8 @@ impl Frame {
             }),
             contacts: (contacts.into_iter())
                 .map(|table| ContactTable {
+                    slave: self.choice(&table.slave),
+                    master: self.choice(&table.master),
                     stiffness: table.stiffness.map(|k| per_length * k),
                     penetration_tolerance: table.penetration_tolerance.map(|depth| self.length * depth),
                     ..table

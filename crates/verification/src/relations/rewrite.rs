@@ -226,8 +226,8 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
     let has_walls = |i: &usize| problem.mesh.facet_sets.contains_key(&format!("gap_{i}_left"));
     // A table of a gap says of it what there is to say.
     let gap = |i: usize| ContactTable {
-        slave: format!("gap_{i}_left"),
-        master: format!("gap_{i}_right"),
+        slave: format!("gap_{i}_left").into(),
+        master: format!("gap_{i}_right").into(),
         method: Some(problem.contact.method),
         stiffness: Some(problem.contact.stiffness),
         penetration_tolerance: problem.contact.penetration_tolerance,
@@ -247,7 +247,7 @@ fn actuator_as_mesh(first: &First<'_>, _: &mut Dice) -> Option<Checked> {
         table.faces.get_or_insert_with(|| "outer".into());
     }
     let second = Model {
-        model: Some(Source { file: String::new(), scale: 1.0 }),
+        model: Some(Source::of_file("")),
         actuator: None,
         mesh: MeshOptions::default(),
         material: Some(problem.material.clone()),

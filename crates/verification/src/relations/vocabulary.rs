@@ -11,7 +11,12 @@ use super::draw::Draw;
 use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 22] = [
+pub const NOT_DRAWN: [(&str, &str); 24] = [
+    ("model: model.size", "is for parts, which Gmsh meshes"),
+    (
+        "model: model.inlet",
+        "drawn meshes name the walls of their holes; where chambers open is tested where they are found",
+    ),
     (
         "case: obstacle.displacement",
         "is for model files, where it is drawn; in a case file it is refused as soon as it is there",
@@ -73,12 +78,29 @@ pub fn said(draw: &Draw) -> BTreeSet<String> {
     found
 }
 
+/// Keys whose values are choices of nodes, faces or elements, which have the same keys everywhere.
+const CHOICES: [&str; 6] = ["nodes", "faces", "slave", "master", "elements", "terms"];
+
+/// Keys of a choice that hold choices.
+const INNER: [&str; 3] = ["and", "or", "not"];
+
+/// A key by its path: of a choice, wherever it stands, as `choice: plane.point`.
+fn canonical(kind: &str, path: &str) -> String {
+    let mut names = path.split('.');
+    let is_choice = names.by_ref().any(|name| CHOICES.contains(&name));
+    let mut rest: Vec<&str> = names.collect();
+    while rest.len() > 1 && INNER.contains(&rest[0]) {
+        rest.remove(0);
+    }
+    if is_choice && !rest.is_empty() { format!("choice: {}", rest.join(".")) } else { format!("{kind}: {path}") }
+}
+
 fn gather(kind: &str, path: &str, value: &toml::Value, found: &mut BTreeSet<String>) {
     match value {
         toml::Value::Table(table) => {
             for (key, value) in table {
                 let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                found.insert(format!("{kind}: {path}"));
+                found.insert(canonical(kind, &path));
                 gather(kind, &path, value, found);
             }
         }
@@ -96,7 +118,8 @@ type Place = (String, bool);
 fn explore<T: DeserializeOwned>(kind: &str, path: &mut Vec<Place>, found: &mut BTreeSet<String>) {
     /// Deeper than any table lies.
     const DEEPEST: usize = 5;
-    if path.len() > DEEPEST {
+    // Choices in choices say what all say.
+    if path.len() > DEEPEST || path.last().is_some_and(|(name, _)| INNER.contains(&name.as_str())) {
         return;
     }
     let name = path.iter().map(|place| place.0.as_str()).collect::<Vec<_>>().join(".");
@@ -110,7 +133,8 @@ fn explore<T: DeserializeOwned>(kind: &str, path: &mut Vec<Place>, found: &mut B
             continue;
         }
         for key in expected::<T>(&written(path, &format!("{{ {NONE} = 0 }}")), "unknown field") {
-            found.insert(if name.is_empty() { format!("{kind}: {key}") } else { format!("{kind}: {name}.{key}") });
+            let full = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+            found.insert(canonical(kind, &full));
             path.push((key, false));
             explore::<T>(kind, path, found);
             path.pop();
@@ -164,6 +188,8 @@ mod tests {
             "model: cavity.gas",
             "model: mesh.element = hex20",
             "model: solver.first_step",
+            "choice: plane.normal",
+            "choice: and",
         ] {
             assert!(all.contains(known), "{known} is not among {all:?}");
         }

@@ -7,7 +7,7 @@ use pneuflex::mesh::Mesh;
 use pneuflex::model::model_file::{
     ContactTable, EquationTable, ForceTable, Model, PressureTable, RegionTable, Series, Steps, SupportTable,
 };
-use pneuflex::model::{ContactMethod, Law, Material};
+use pneuflex::model::{Choice, ContactMethod, Law, Material};
 
 use super::draw::Body;
 use super::form::{deck_of_mesh, of_deck_alone, rows};
@@ -25,6 +25,10 @@ pub fn both(model: &Model, body: &Body) -> Option<(Model, String)> {
 
 /// The model without what decks cannot say.
 fn in_words_of_decks(model: &Model) -> Option<Model> {
+    // Decks know names of sets only.
+    if model.choices().iter().any(|(_, _, choice)| choice.name().is_none()) {
+        return None;
+    }
     let is_moved = model.supports.iter().any(|support| support.displacement.is_some());
     let material = |material: &Material| Material {
         bulk_modulus: material.bulk_modulus,
@@ -51,7 +55,7 @@ fn in_words_of_decks(model: &Model) -> Option<Model> {
         forces: (model.forces.iter())
             .map(|table| ForceTable {
                 nodes: "tip".into(),
-                total: if table.nodes == "tip" { table.total } else { table.total.map(|f| 0.1 * f) },
+                total: if table.nodes.name() == Some("tip") { table.total } else { table.total.map(|f| 0.1 * f) },
                 ..table.clone()
             })
             .collect(),
@@ -116,19 +120,27 @@ fn deck(model: &Model, mesh: &Mesh) -> Option<String> {
         let numbers = nodes.into_iter().map(|node| node as usize + 1);
         let _ = writeln!(text, "*NSET, NSET=N_{set}\n{}", rows(numbers, 12, "\n"));
     }
-    let nodes_of = |set: &str| if mesh.facet_sets.contains_key(set) { format!("N_{set}") } else { set.to_owned() };
+    let nodes_of = |choice: &Choice| match choice.name() {
+        Some(set) if mesh.facet_sets.contains_key(set) => format!("N_{set}"),
+        _ => choice.to_string(),
+    };
     let special: Vec<&RegionTable> = model.regions.iter().collect();
     let in_region = |element: u32| {
         let has = |region: &&RegionTable| {
-            region.elements.as_ref().is_some_and(|set| mesh.element_sets.get(set).is_some_and(|s| s.contains(&element)))
+            region
+                .elements
+                .as_ref()
+                .and_then(Choice::name)
+                .is_some_and(|set| mesh.element_sets.get(set).is_some_and(|s| s.contains(&element)))
         };
         special.iter().any(has)
     };
     let rest = (0..mesh.num_elements() as u32).filter(|&element| !in_region(element)).map(|e| e as usize + 1);
     let _ = writeln!(text, "*ELSET, ELSET=REST\n{}", rows(rest, 12, "\n"));
     let first = ("REST", "MAIN".to_owned(), model.material.as_ref()?);
-    let others =
-        special.iter().filter_map(|region| Some((region.elements.as_deref()?, region.name.clone(), &region.material)));
+    let others = special
+        .iter()
+        .filter_map(|region| Some((region.elements.as_ref()?.name()?, region.name.clone(), &region.material)));
     for (set, name, material) in std::iter::once(first).chain(others) {
         text += &in_words(&name, material)?;
         let _ = writeln!(text, "*SOLID SECTION, ELSET={set}, MATERIAL={name}");
@@ -141,7 +153,7 @@ fn deck(model: &Model, mesh: &Mesh) -> Option<String> {
     }
     for (i, ContactTable { slave, master, stiffness, .. }) in model.contacts.iter().enumerate() {
         let stiffness = stiffness.unwrap_or(STIFFNESS);
-        let surfaces = if slave == master { slave.clone() } else { format!("{slave}, {master}") };
+        let surfaces = if slave == master { slave.to_string() } else { format!("{slave}, {master}") };
         let _ = writeln!(
             text,
             "*SURFACE INTERACTION, NAME=T{i}\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{stiffness:?}\n\
