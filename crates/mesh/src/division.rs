@@ -123,6 +123,12 @@ impl Division {
         undivided.iter().copied().chain(added).collect()
     }
 
+    /// The nodes that were added, each with the nodes around that have a share in the shape there and the values of their shape functions.
+    pub fn added(&self) -> impl Iterator<Item = (u32, &[(u32, f64)])> {
+        let first = self.first_added() as u32;
+        self.around.iter().enumerate().map(move |(number, around)| (first + number as u32, &around[..]))
+    }
+
     /// A field with one entry per node of the undivided mesh, as the shape functions of its elements continue it.
     pub fn continued(&self, field: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let at = |around: &Vec<(u32, f64)>| {

@@ -17,6 +17,7 @@
 
 pub mod case;
 mod contact_stiffness;
+mod divided;
 mod enrichment;
 pub mod fitted_to;
 pub mod formulation;
@@ -40,6 +41,7 @@ mod units;
 mod whole;
 
 pub use case::Case;
+pub use divided::Undividable;
 pub use fitted_to::{FittedTo, Mode};
 pub use formulation::Formulation;
 pub use law::{Invariant, Law, OgdenTerm, Volumetric};
