@@ -77,6 +77,25 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// The same with the contact of the problem that it was divided from: its law, stiffnesses and tolerances, which may follow the size of
+    /// elements.
+    pub fn with_contact_of(self, undivided: &Self) -> Self {
+        let pairs = self.contact_pairs.into_iter().zip(&undivided.contact_pairs).map(|(pair, before)| ContactPair {
+            stiffness: before.stiffness,
+            penetration_tolerance: before.penetration_tolerance,
+            ..pair
+        });
+        let obstacles = self.obstacles.into_iter().zip(&undivided.obstacles).map(|(obstacle, before)| Obstacle {
+            stiffness: before.stiffness,
+            penetration_tolerance: before.penetration_tolerance,
+            ..obstacle
+        });
+        let (contact_pairs, obstacles) = (pairs.collect(), obstacles.collect());
+        Self { contact: undivided.contact.clone(), contact_pairs, obstacles, ..self }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use pneuflex_mesh::testing::angle;

@@ -112,7 +112,7 @@
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`folder`], [`recorder`], [`checkpoint_file`], [`report_page`] | result folders |
-//! | [`convergence`] | sequences of meshes |
+//! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
 //! | [`document`] | case and model files as texts with places |
 
 pub mod accuracy;
@@ -130,6 +130,7 @@ pub mod diagnosis;
 mod disk;
 pub mod document;
 pub mod error;
+pub mod error_estimate;
 mod files;
 pub mod folder;
 mod foreign;
@@ -143,6 +144,7 @@ pub mod neighbour;
 pub mod observer;
 mod on_the_way;
 pub mod overview;
+pub mod quantities;
 pub mod reason;
 mod recorded_mesh;
 pub mod recorder;

@@ -11,7 +11,7 @@ use super::draw::Draw;
 use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 22] = [
+pub const NOT_DRAWN: [(&str, &str); 24] = [
     (
         "case: obstacle.displacement",
         "is for model files, where it is drawn; in a case file it is refused as soon as it is there",
@@ -38,6 +38,11 @@ pub const NOT_DRAWN: [(&str, &str); 22] = [
         "what buckles has two shapes, mirror images of each other as a rule, and a run takes either one",
     ),
     ("model: solver.imperfection", "the same"),
+    (
+        "case: output.error_estimate",
+        "adds numbers about a solution that is there already, and eight times the unknowns",
+    ),
+    ("model: output.error_estimate", "the same"),
     ("model: contact.method = none", "is refused"),
     ("model: contact.method = single-point", "the same"),
 ];
