@@ -7,7 +7,7 @@ use pneuflex::error_estimate::ErrorEstimate;
 use pneuflex::folder::REPORT;
 use pneuflex::report_page::write_report;
 use pneuflex::words::thousands;
-use pneuflex::{Analysis, Error, OutputFolder, Start, Status, Study, Unfinished};
+use pneuflex::{Analysis, Error, OutputFolder, Solution, Start, Status, Study, Unfinished};
 
 use crate::args::RunArguments;
 use crate::error::CliError;
@@ -65,7 +65,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     match result {
         Ok(solution) => {
-            say_estimate(&analysis, solution.error_estimate.as_ref(), &progress);
+            say_estimate(&analysis, &solution, &progress);
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
             report();
             let spent = duration(solution.timing.total_s);
@@ -120,12 +120,18 @@ fn announce(analysis: &Analysis, folder: &OutputFolder, progress: &Progress) {
     });
 }
 
-/// Says how exact the last state is, or why that is not known.
-fn say_estimate(analysis: &Analysis, estimate: Option<&ErrorEstimate>, progress: &Progress) {
-    match estimate {
+/// Says how exact the last state is, unless a warning does, or why that is not known.
+fn say_estimate(analysis: &Analysis, solution: &Solution, progress: &Progress) {
+    match &solution.error_estimate {
         Some(ErrorEstimate::Found(found)) => {
             let cost = format!("{} unknowns, {}", thousands(found.unknowns as u64), duration(found.seconds));
-            progress.line(&format!("{} ({cost})", found.words(&analysis.problem)));
+            let words = found.words(&analysis.problem);
+            let is_a_warning = solution.warnings.iter().any(|warning| warning.message == words);
+            progress.line(&if is_a_warning {
+                format!("errors are estimated ({cost})")
+            } else {
+                format!("{words} ({cost})")
+            });
         }
         Some(ErrorEstimate::None { why_not }) => progress.line(&format!("errors are not estimated: {why_not}")),
         None => {}

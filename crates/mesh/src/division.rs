@@ -325,7 +325,7 @@ mod tests {
                 let [whole, parts] = [mesh.volume_of([element]), fine.volume_of(Division::parts_of(element))];
                 assert!((whole - parts).abs() < 1e-12, "{words}: {whole} {parts}");
             }
-            let least = fine.scaled_jacobians().into_iter().fold(f64::INFINITY, f64::min);
+            let least = fine.scaled_jacobians().fold(f64::INFINITY, f64::min);
             assert!(least > 0.05, "{words}: {least}");
             // No gap: the surface is what it was.
             assert!(fine.unmatched_faces().is_none());

@@ -267,6 +267,17 @@ fn compare(levels: &[Level]) -> Vec<AtState> {
     (0..reached).map(at).filter(|state| !state.compared.is_empty()).collect()
 }
 
+/// A cube that forces on nodes pull.
+#[cfg(test)]
+pub(crate) const PULLED_CUBE: &str = "*NODE
+1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=CUBE\n1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=LEFT\n1, 4, 5, 8\n*NSET, NSET=RIGHT\n2, 3, 6, 7
+*MATERIAL, NAME=M\n*HYPERELASTIC, NEO HOOKE\n0.25, 0.0002\n*SOLID SECTION, ELSET=CUBE, MATERIAL=M
+*BOUNDARY\nLEFT, 1, 3
+*STEP, NLGEOM\n*STATIC\n1, 1\n*CLOAD\nRIGHT, 1, 0.01\n*END STEP
+";
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -327,8 +338,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_divided_is_refused_before_anything_is_solved() {
-        let deck = include_str!("../../../fixtures/decks/cantilever.inp");
-        let study = Study::from_text("cantilever.inp", deck).unwrap();
+        let study = Study::from_text("cube.inp", PULLED_CUBE).unwrap();
         let analysis = study.build().unwrap();
         let error = analysis.finer_meshes(2, MemoryLimit::Available).err().unwrap().to_string();
         assert!(error.contains("forces act on nodes"), "{error}");

@@ -228,6 +228,7 @@ mod tests {
             ("actuator.chambers", "1"),
             ("actuator.flange", "2.0"),
             ("mesh.size", "4.5"),
+            ("mesh.element", "hex8-q1p0"),
             ("load.pressure_kpa", "[20]"),
             ("output.error_estimate", "true"),
         ];
@@ -247,14 +248,14 @@ mod tests {
         }
         assert!(found.worst_displacement().unwrap().percent.unwrap().abs() > WORTH_A_WARNING, "{found:?}");
         // It takes the place of the table's sentences.
-        let kinds: Vec<_> = solution.warnings.iter().map(|warning| warning.kind).collect();
-        assert_eq!(kinds, [WarningKind::Accuracy]);
-        assert!(solution.warnings[0].message.starts_with("estimated errors at 20 kPa: end face angle "));
+        let of_accuracy: Vec<_> = solution.warnings.iter().filter(|w| w.kind == WarningKind::Accuracy).collect();
+        assert_eq!(of_accuracy.len(), 1, "{:?}", solution.warnings);
+        assert!(of_accuracy[0].message.starts_with("estimated errors at 20 kPa: end face angle "));
     }
 
     #[test]
     fn what_an_estimate_is_not_possible_for_is_refused() {
-        let deck = include_str!("../../../fixtures/decks/cantilever.inp");
+        let deck = crate::convergence::PULLED_CUBE;
         let model = "[model]\nfile = \"c.inp\"\n[output]\nerror_estimate = true\n";
         let files =
             [("c.toml", model), ("c.inp", deck)].map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
