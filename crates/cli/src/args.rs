@@ -150,6 +150,10 @@ pub struct RunArguments {
     /// that never stopped. Starts from the beginning where there is nothing to go on with
     #[arg(long)]
     pub resume: bool,
+    /// Estimate the errors of the last state, as output.error_estimate = true does: a mesh with every element divided into eight,
+    /// solved once or twice, which may take longer than the run
+    #[arg(long)]
+    pub estimate: bool,
     /// Leave out report.html
     #[arg(long)]
     pub no_report: bool,
@@ -333,8 +337,9 @@ pub struct ConvergeArguments {
     /// The case; its mesh is the coarsest
     #[command(flatten)]
     pub case: CaseArguments,
-    /// Number of meshes: the case's own, every element divided by 2 along every direction, by 3 and so on. Three are needed to see
-    /// an order of convergence; start them from a coarse case, e.g. with --set mesh.resolution=draft
+    /// Number of meshes: the body's own, every element divided by 2 along every direction, by 3 and so on; in model files and decks
+    /// by 2, 4 and so on. Three are needed to see an order of convergence; start them from a coarse mesh, e.g. with
+    /// --set mesh.resolution=draft
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=6))]
     pub levels: u8,
     /// Folder for converge.json and convergence.svg [default: out/NAME-converge for the case file NAME.toml]; what else it holds

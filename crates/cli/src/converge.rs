@@ -4,13 +4,11 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
-use pneuflex::convergence::{AtPressure, Level, LevelEvent, Measured};
-use pneuflex::model::Case;
+use pneuflex::convergence::{AtState, Compared, Convergence, Level, LevelEvent};
 use pneuflex::plot::PlotError;
 use pneuflex::plot::chart::{Chart, Series, Style};
-use pneuflex::post::convergence::Extrapolated;
 use pneuflex::words::thousands;
-use pneuflex::{CaseFile, Estimate, OutputFolder, json};
+use pneuflex::{OutputFolder, Study, json};
 
 use crate::args::ConvergeArguments;
 use crate::error::CliError;
@@ -23,13 +21,12 @@ use crate::terminal::say;
 /// # Errors
 /// Bad input, found before anything is solved or written; a result that cannot be written.
 pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
-    let file = CaseFile::load(&arguments.case.case, &arguments.case.changes()?)?;
-    let case = &file.case;
-    let base = case.mesh.mesh_size(&case.actuator);
-    let finest = usize::from(arguments.levels);
-    Estimate::of_size(case, &base.divided(finest)).within(arguments.solve.memory_limit())?;
     arguments.solve.use_threads()?;
-    let default = || PathBuf::from("out").join(format!("{}-converge", file.stem()));
+    let (limit, levels) = (arguments.solve.memory_limit(), usize::from(arguments.levels));
+    let study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
+    let analysis = study.build_within(limit)?;
+    let default = || PathBuf::from("out").join(format!("{}-converge", analysis.stem()));
+    let sequence = analysis.finer_meshes(levels, limit)?;
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
 
     let mut progress = |event: LevelEvent<'_>| match event {
@@ -41,9 +38,9 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
             say(&format!("  {} iterations in {}", level.iterations, duration(level.seconds)));
         }
     };
-    let found = pneuflex::convergence::converge(&file, finest, &mut progress)?;
+    let found = sequence.solve(&mut progress)?;
     let table = report(&found.levels, &found.results);
-    let drawing = chart(case, &found.levels, &found.results).and_then(|c| c.draw()).and_then(|d| d.to_svg());
+    let drawing = chart(&found).and_then(|c| c.draw()).and_then(|d| d.to_svg());
     let text = json::pretty(&found).map_err(|e| CliError::Output(format!("converge.json: {e}")))?;
     folder.write("converge.json", text)?;
     if let Ok(drawing) = drawing {
@@ -61,7 +58,7 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
     Ok(Outcome::Converged)
 }
 
-fn report(levels: &[Level], results: &[AtPressure]) -> String {
+fn report(levels: &[Level], results: &[AtState]) -> String {
     let mut text =
         format!("{:>10} {:>10} {:>10} {:>9} {:>6}\n", "divided by", "elements", "unknowns", "size, mm", "iter");
     for level in levels {
@@ -77,55 +74,44 @@ fn report(levels: &[Level], results: &[AtPressure]) -> String {
         );
     }
     for at in results {
-        let _ = writeln!(text, "\n{} kPa", at.pressure_kpa);
-        let mut row = |name: &str, digits: usize, values: Vec<f64>, e: &Extrapolated| {
+        let _ = writeln!(text, "\n{}", at.when());
+        for Compared { quantity, values, extrapolated: e } in &at.compared {
+            let digits = quantity.decimals;
             let values: Vec<String> = values.iter().map(|v| format!("{v:.digits$}")).collect();
             let order = e.order.map_or("no order seen".into(), |p| format!("order {p:.2}"));
             let _ = writeln!(
                 text,
-                "  {name:<24} {}  extrapolated {:.digits$}, error bar of the finest +-{:.digits$} ({:.2} %), {order}",
+                "  {:<24} {}  extrapolated {:.digits$}, error bar of the finest +-{:.digits$} ({:.2} %), {order}",
+                quantity.words,
                 values.join("  "),
                 e.extrapolated,
                 e.error_bar,
                 100.0 * e.error_bar / e.finest.abs().max(f64::MIN_POSITIVE),
             );
-        };
-        let values = |value: fn(&Measured) -> f64| {
-            let found = |level: &Level| level.steps.iter().find(|s| s.pressure_kpa == at.pressure_kpa).map(value);
-            levels.iter().filter_map(found).collect::<Vec<f64>>()
-        };
-        row("end face angle, deg", 3, values(|m| m.end_face_angle_deg), &at.end_face_angle_deg);
-        row("tip displacement, mm", 4, values(|m| m.tip_displacement_mm), &at.tip_displacement_mm);
-        row("p99 von Mises, MPa", 5, values(|m| m.von_mises_p99_mpa), &at.von_mises_p99_mpa);
+        }
     }
     text
 }
 
-/// Deviation from the extrapolated values over the element size, at the last pressure.
-fn chart(case: &Case, levels: &[Level], results: &[AtPressure]) -> Result<Chart, PlotError> {
-    let pressure = results.last().map_or(0.0, |at| at.pressure_kpa);
-    let series = |name: &str, value: fn(&Measured) -> f64, limit: Option<&Extrapolated>| {
-        let points = levels
-            .iter()
-            .filter_map(|level| {
-                let step = level.steps.iter().find(|s| s.pressure_kpa == pressure)?;
-                Some([level.element_size_mm, 100.0 * (value(step) / limit?.extrapolated - 1.0)])
-            })
+/// Deviation from the extrapolated values over the element size, at the last pressure or time.
+fn chart(found: &Convergence) -> Result<Chart, PlotError> {
+    let (last, when) = (found.results.last(), found.results.last().map_or_else(String::new, AtState::when));
+    let series = |Compared { quantity, values, extrapolated }: &Compared| {
+        let points = (found.levels.iter().zip(values))
+            .map(|(level, value)| [level.element_size_mm, 100.0 * (value / extrapolated.extrapolated - 1.0)])
+            .filter(|point| point[1].is_finite())
             .collect();
+        // Without its unit: all are percentages.
+        let name = quantity.words.rsplit_once(", ").map_or(&*quantity.words, |(name, _)| name);
         Series::line(name, points).style(Style::SolidWithDots)
     };
-    let last = results.last();
     Ok(Chart {
         x_label: "element size: cube root of the mean volume (mm)".into(),
         y_label: "deviation from the extrapolated value (%)".into(),
         x_shows: vec![0.0],
         y_shows: vec![0.0],
-        series: vec![
-            series("end face angle", |m| m.end_face_angle_deg, last.map(|at| &at.end_face_angle_deg)),
-            series("tip displacement", |m| m.tip_displacement_mm, last.map(|at| &at.tip_displacement_mm)),
-            series("p99 von Mises stress", |m| m.von_mises_p99_mpa, last.map(|at| &at.von_mises_p99_mpa)),
-        ],
-        caption: format!("{}, {}.", case.title, case.mesh.formulation()),
-        ..Chart::new(&format!("Mesh convergence at {pressure} kPa"))
+        series: last.map_or_else(Vec::new, |at| at.compared.iter().map(series).collect()),
+        caption: format!("{}, {}.", found.title, found.element),
+        ..Chart::new(&format!("Mesh convergence at {when}"))
     })
 }

@@ -7,6 +7,7 @@ Examples:
   pneuflex run actuator.toml --set mesh.resolution=draft      a quick look
   pneuflex run actuator.toml --set load.pressure_kpa='[10, 20]' --out out/low
   pneuflex run actuator.toml --resume                         go on after Ctrl-C or a crash
+  pneuflex run actuator.toml --estimate                       and say how exact the last state is
 
 Exit codes: 0 converged or followed past a limit point, 1 an output could not be written, 2 bad input (nothing written), 3 not converged (what was reached is kept), 130 interrupted.";
 
@@ -37,7 +38,9 @@ Examples:
   pneuflex converge two_chamber.toml --set mesh.resolution=draft
   pneuflex converge two_chamber.toml --set mesh.resolution=draft --levels 2 --out out/twice
 
-The second mesh has 8 times the elements of the case's own, the third 27 times.";
+  pneuflex converge finger.toml --levels 2        a model file: its elements divided as they are
+
+The second mesh has 8 times the elements of the first, the third 27 times, in model files and decks 64 times.";
 
 /// Of `pneuflex sweep`.
 pub const SWEEP: &str = "\

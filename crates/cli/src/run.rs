@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use pneuflex::diagnosis::{Warning, WarningKind};
+use pneuflex::error_estimate::ErrorEstimate;
 use pneuflex::folder::REPORT;
 use pneuflex::report_page::write_report;
 use pneuflex::words::thousands;
-use pneuflex::{Analysis, Error, OutputFolder, Start, Status, Study, Unfinished};
+use pneuflex::{Analysis, Error, OutputFolder, Solution, Start, Status, Study, Unfinished};
 
 use crate::args::RunArguments;
 use crate::error::CliError;
@@ -22,7 +23,10 @@ use crate::terminal::say;
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     // Before anything uses threads: reading does, to see whether an obstacle overlaps the body.
     arguments.solve.use_threads()?;
-    let study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
+    let mut study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
+    if arguments.estimate {
+        study.estimate_errors()?;
+    }
     let analysis = study.build_within(arguments.solve.memory_limit())?;
     let default = || PathBuf::from("out").join(analysis.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
@@ -61,6 +65,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     match result {
         Ok(solution) => {
+            say_estimate(&analysis, &solution, &progress);
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
             report();
             let spent = duration(solution.timing.total_s);
@@ -113,6 +118,24 @@ fn announce(analysis: &Analysis, folder: &OutputFolder, progress: &Progress) {
         Some(part) => format!("  one {part} of the body is modelled; results, of the whole, go to {place}"),
         None => format!("  results go to {place}"),
     });
+}
+
+/// Says how exact the last state is, unless a warning does, or why that is not known.
+fn say_estimate(analysis: &Analysis, solution: &Solution, progress: &Progress) {
+    match &solution.error_estimate {
+        Some(ErrorEstimate::Found(found)) => {
+            let cost = format!("{} unknowns, {}", thousands(found.unknowns as u64), duration(found.seconds));
+            let words = found.words(&analysis.problem);
+            let is_a_warning = solution.warnings.iter().any(|warning| warning.message == words);
+            progress.line(&if is_a_warning {
+                format!("errors are estimated ({cost})")
+            } else {
+                format!("{words} ({cost})")
+            });
+        }
+        Some(ErrorEstimate::None { why_not }) => progress.line(&format!("errors are not estimated: {why_not}")),
+        None => {}
+    }
 }
 
 /// Says what to be careful about, but for what was said before and what the states said themselves.

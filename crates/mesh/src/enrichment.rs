@@ -171,7 +171,7 @@ impl Recipe {
 }
 
 /// Σ N x: to the last digit the same in whatever order the nodes come, and in a plane normal to an axis if they all are.
-fn mean(nodes: &[[f64; 3]], values: impl Iterator<Item = (u32, f64)> + Clone) -> [f64; 3] {
+pub(crate) fn mean(nodes: &[[f64; 3]], values: impl Iterator<Item = (u32, f64)> + Clone) -> [f64; 3] {
     std::array::from_fn(|d| {
         let at = |node: u32| nodes[node as usize][d];
         let low = values.clone().map(|(node, _)| at(node)).fold(f64::INFINITY, f64::min);

@@ -9,6 +9,7 @@
 //! * [`shape`]: shape functions and their gradients.
 //! * [`quadrature`]: Gauss rules.
 //! * [`mesh`]: the [`Mesh`] itself.
+//! * [`Mesh::divided`]: every element divided into eight.
 //! * [`Mesh::volume_within`]: the share of a body in a box.
 //! * [`Mesh::scaled_jacobians`]: how well elements are shaped.
 //! * [`grading`]: element sizes along an axis, small at re-entrant edges.
@@ -20,6 +21,7 @@
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
 pub mod actuator;
+mod division;
 pub mod element;
 mod enrichment;
 pub mod face;
@@ -45,6 +47,7 @@ pub use actuator::{
     Actuator, Chamber, Channel, Cuts, GeometryError, LENGTHS, LENGTHS_PER_CHAMBER, Part, PerChamber, build_actuator,
     build_actuator_with,
 };
+pub use division::{Division, PARTS, Torn};
 pub use element::ElementKind;
 pub use enrichment::{AddedNode, Place};
 pub use face::{FaceKind, Outline, PerFaceKind};

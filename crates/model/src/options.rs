@@ -155,6 +155,9 @@ pub struct Output {
     pub fields: bool,
     /// Beside them write the stresses at the elements' integration points.
     pub points: bool,
+    /// At the end estimate the errors of the last state, by what a mesh with every element divided into eight makes of it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub error_estimate: bool,
 }
 
 impl Default for Contact {
@@ -196,7 +199,7 @@ impl Output {
 
 impl Default for Output {
     fn default() -> Self {
-        Self { fields: true, points: false }
+        Self { fields: true, points: false, error_estimate: false }
     }
 }
 

@@ -66,4 +66,10 @@ impl CavityPressures {
         let unknown = |index: Option<usize>| index.map_or(&[][..], |index| &state.bordered[index..=index]);
         self.0.iter().map(|(supply, index)| supply.pressure(state.parameter, unknown(*index))).collect()
     }
+
+    /// The unknowns beside the displacements, as far as they are pressures, that give these pressures.
+    pub fn unknowns(&self, pressures: &[Pressure]) -> Vec<f64> {
+        let unknown = |((_, index), pressure): (&(Supply, Option<usize>), &Pressure)| index.map(|_| pressure.mpa());
+        self.0.iter().zip(pressures).filter_map(unknown).collect()
+    }
 }

@@ -10,6 +10,7 @@
 //! * [`rotation_update`]: how displacements follow a correction.
 //! * [`path`]: Newton's method at one load, the guess before it, the steps around it; [`arc`]: beyond limit points; `prescribed_motion`:
 //!   supports that move.
+//! * [`corrected`]: corrections of a state that was found on another mesh.
 //! * [`augmentation`]: the contact's multipliers at the requested positions.
 //! * [`checkpoint`]: what is needed to go on after a kill; [`event`], [`history`], [`failure`],
 //!   [`timing`]: what a run reports.
@@ -22,6 +23,7 @@ pub mod bordered;
 pub mod checkpoint;
 pub mod contributions;
 mod convergence;
+pub mod corrected;
 pub mod error;
 pub mod event;
 pub mod failure;

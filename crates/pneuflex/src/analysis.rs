@@ -3,9 +3,12 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use pneuflex_mesh::{Actuator, Hollow, build_actuator_with};
+use pneuflex_mesh::{Actuator, Division, Hollow, build_actuator_with};
+use pneuflex_model::load::Load;
 use pneuflex_model::model_file::Model;
-use pneuflex_model::{Case, CaseError, Contact, Formulation, LoadParameter, Output, Probe, Problem, Solver};
+use pneuflex_model::{
+    Case, CaseError, Contact, Formulation, LoadParameter, Output, Probe, Problem, Solver, Undividable,
+};
 use pneuflex_newton::ConvergedState;
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
@@ -16,6 +19,7 @@ use crate::derived;
 use crate::diagnosis::{Subject, Warning, warnings};
 use crate::document::CaseFile;
 use crate::error::Error;
+use crate::error_estimate::ErrorEstimate;
 use crate::files::{Files, INPUT};
 use crate::holding;
 use crate::input_error::InputError;
@@ -52,6 +56,17 @@ pub struct Analysis {
     pub notes: Vec<String>,
     /// File that it was read from, or what stands for it.
     pub path: PathBuf,
+    /// What a model's tables were added to; `None` for an actuator's case.
+    pub(crate) undressed: Option<Box<Undressed>>,
+}
+
+/// A body as a model's tables find it.
+#[derive(Clone, Debug)]
+pub(crate) struct Undressed {
+    /// The body, with what a deck says of loads and supports.
+    body: Problem,
+    /// Times and first increment of a deck.
+    schedule: Option<(Vec<f64>, f64)>,
 }
 
 /// How a problem was described.
@@ -71,6 +86,14 @@ impl Description {
         match self {
             Self::Actuator(_) => None,
             Self::Model(model, _) | Self::Body(model) => Some(model),
+        }
+    }
+
+    /// An actuator's case; `None` for a model.
+    pub fn case(&self) -> Option<&Case> {
+        match self {
+            Self::Actuator(case) => Some(case),
+            Self::Model(..) | Self::Body(_) => None,
         }
     }
 }
@@ -100,6 +123,7 @@ impl Analysis {
             description: Description::Actuator(Box::new(case)),
             hollows: Vec::new(),
             notes: Vec::new(),
+            undressed: None,
         }
     }
 
@@ -141,7 +165,6 @@ impl Analysis {
             }
         };
         notes.extend(warning.map(|warning| format!("warning: {warning}")));
-        let schedule = schedule.as_ref().map(|(times, first): &(Vec<f64>, f64)| (&times[..], *first));
         let said = |errors: Vec<CaseError>| errors.into_iter().map(say).collect::<Vec<InputError>>();
         let analysis = Self::of_body(path, model.clone(), body, schedule).map_err(said)?;
         notes.extend(analysis.notes.iter().cloned());
@@ -154,6 +177,7 @@ impl Analysis {
     /// The rigid motions that nothing holds.
     pub(crate) fn held(mut self) -> Result<Self, Vec<InputError>> {
         let warning = holding::check(&self.problem, self.vocabulary())?;
+        self.check_error_estimate()?;
         self.notes.extend(warning.map(|warning| format!("warning: {warning}")));
         Ok(self)
     }
@@ -177,8 +201,10 @@ impl Analysis {
         path: &Path,
         model: Model,
         body: Problem,
-        schedule: Option<(&[f64], f64)>,
+        schedule: Option<(Vec<f64>, f64)>,
     ) -> Result<Self, Vec<CaseError>> {
+        let undressed = Some(Box::new(Undressed { body: body.clone(), schedule: schedule.clone() }));
+        let schedule = schedule.as_ref().map(|(times, first)| (&times[..], *first));
         let study = model.study(body, schedule)?;
         let refused = refusals(&study.problem, &model.probes);
         if !refused.is_empty() {
@@ -195,7 +221,58 @@ impl Analysis {
             description: Description::Body(Box::new(model)),
             hollows: study.hollows,
             notes: study.notes,
+            undressed,
         })
+    }
+
+    /// The same with every element divided into eight, and how. Probes stay at their nodes.
+    ///
+    /// # Errors
+    /// What says nothing of a finer mesh, or cannot be put on it.
+    pub(crate) fn divided(&self) -> Result<(Self, Division), Vec<InputError>> {
+        let refused = |why: Undividable| {
+            let help = match why {
+                Undividable::Torn(_) => "merge the nodes of neighbouring elements",
+                Undividable::Equations => "mesh the body finer where it comes from, and compare the results",
+                Undividable::Forces => {
+                    "let a [[traction]], [[pressure]] or [[force]] of a model file around the deck act on a surface"
+                }
+            };
+            vec![InputError::new(format!("the mesh cannot be divided: {why}")).with_help(Some(help.to_owned()))]
+        };
+        let probes = self.probes_at_nodes();
+        let (Some(model), Some(undressed)) = (self.description.model(), &self.undressed) else {
+            let (problem, division) = self.problem.divided().map_err(refused)?;
+            return Ok((Self { problem, probes, ..self.clone() }, division));
+        };
+        if let Some(why) = self.says_nothing_of_finer_meshes() {
+            return Err(refused(why));
+        }
+        let (body, division) = undressed.body.divided().map_err(refused)?;
+        let said = |errors: Vec<CaseError>| {
+            let of_finer =
+                |error: CaseError| InputError::new(format!("on the divided mesh: {error}")).of_key(&error.key);
+            errors.into_iter().map(of_finer).collect::<Vec<_>>()
+        };
+        let finer = Self::of_body(&self.path, model.clone(), body, undressed.schedule.clone()).map_err(said)?;
+        let (title, description) = (self.title.clone(), self.description.clone());
+        Ok((Self { title, description, probes, ..finer }, division))
+    }
+
+    /// What it says of single nodes, and so nothing of those that a finer mesh has between them.
+    pub(crate) fn says_nothing_of_finer_meshes(&self) -> Option<Undividable> {
+        let (model, undressed) = (self.description.model()?, self.undressed.as_ref()?);
+        if !model.equations.is_empty() || !undressed.body.equations.is_empty() {
+            return Some(Undividable::Equations);
+        }
+        let is_force = |load: &Load| matches!(load, Load::Force { .. });
+        undressed.body.loads.iter().any(is_force).then_some(Undividable::Forces)
+    }
+
+    /// Probes at the nodes that they take on this mesh.
+    pub(crate) fn probes_at_nodes(&self) -> Vec<Probe> {
+        let sites = probe_sites(&self.problem.mesh, &self.probes).into_iter();
+        sites.map(|(name, site)| Probe { name, at: site.at }).collect()
     }
 
     /// Size, and the memory that solving will need.
@@ -223,6 +300,11 @@ impl Analysis {
         let mut found = self.cautions();
         found.extend(warnings(Subject { problem: &self.problem, actuator, vocabulary: self.vocabulary() }, states));
         found
+    }
+
+    /// The same beside an estimate of the errors.
+    pub fn warnings_beside(&self, states: &[StepSummary], estimate: Option<&ErrorEstimate>) -> Vec<Warning> {
+        self.with_estimate(self.warnings(states), estimate)
     }
 
     /// How exact the results of an actuator are on its mesh; `None` for other bodies. Without states, as far as it is known before anything is

@@ -113,7 +113,7 @@
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`] | result folders |
-//! | [`convergence`] | sequences of meshes |
+//! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
 //! | [`document`] | case and model files as texts with places |
 
 pub mod accuracy;
@@ -132,6 +132,7 @@ pub mod diagnosis;
 mod disk;
 pub mod document;
 pub mod error;
+pub mod error_estimate;
 mod files;
 pub mod folder;
 mod foreign;
@@ -145,6 +146,7 @@ pub mod neighbour;
 pub mod observer;
 mod on_the_way;
 pub mod overview;
+pub mod quantities;
 pub mod reason;
 mod recorded_mesh;
 pub mod recorded_states;

@@ -82,6 +82,14 @@ impl Estimate {
         Self { elements: mesh.num_elements() as f64, unknowns, bytes }
     }
 
+    /// Estimates a body of any shape with every element divided into eight, so many times, before it is.
+    pub fn of_divided(mesh: &Mesh, times: u32) -> Self {
+        let parts = f64::from(pneuflex_mesh::PARTS as u32).powi(times as i32);
+        let [elements, unknowns] = [mesh.num_elements() as f64, 3.0 * mesh.num_nodes() as f64].map(|n| parts * n);
+        let per_unknown = mesh.families().into_iter().map(bytes_per_unknown).fold(0.0, f64::max);
+        Self { elements, unknowns, bytes: bytes(per_unknown, 1, unknowns) }
+    }
+
     /// Refuses what needs more memory than there is, unless `limit` says otherwise; else returns what to warn of.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ use pneuflex_newton::{Cause, Checkpoint, ConvergedState, Failure, IterationRecor
 use pneuflex_post::summary::{Described, StepSummary};
 
 use crate::error::ResultsError;
+use crate::error_estimate::ErrorEstimate;
 use crate::reason::Reason;
 
 /// What happens while a path is followed.
@@ -61,6 +62,8 @@ pub struct End<'a> {
     pub reason: Option<&'a Reason>,
     /// The last equilibrium of a path that ended early, if it lies between requested positions.
     pub last: Option<&'a ConvergedState>,
+    /// How exact the last state is, if that was asked for.
+    pub estimate: Option<&'a ErrorEstimate>,
     /// What could not be derived or recorded, for which the path was stopped.
     pub error: Option<&'a ResultsError>,
 }

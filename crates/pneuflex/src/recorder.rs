@@ -16,6 +16,7 @@ use crate::checkpoint_file;
 use crate::derived;
 use crate::diagnosis::Warning;
 use crate::error::{ResultsError, end_in_words};
+use crate::error_estimate::ErrorEstimate;
 use crate::files::{Files, INCLUDED, INPUT, included_name};
 use crate::folder::{CASE_MARK, OutputFolder, REPORT};
 use crate::json;
@@ -50,6 +51,8 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     failure_reason: Option<&'a Reason>,
     warnings: Vec<Warning>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<&'a ErrorEstimate>,
     /// What results are those of: `whole-body`, or `model` for a deck or mesh of which it is not known whether it is cut.
     results_of: &'static str,
     /// What was modelled of the whole body: `whole`, `half`, `quarter` or `eighth`.
@@ -121,6 +124,7 @@ struct Ending {
     reason: Option<Reason>,
     missed: Vec<Missed>,
     on_the_way: Vec<StepSummary>,
+    estimate: Option<ErrorEstimate>,
 }
 
 /// Writes the output folder of a run: the resolved case, the history of iterations, a checkpoint at every load step, the summary and the
@@ -331,7 +335,8 @@ impl<'a> Recorder<'a> {
             _ => &[],
         };
         let missed = missed.iter().map(|&at| self.missed(at)).collect();
-        Ending { status, failure, reason: end.reason.cloned(), missed, on_the_way }
+        let estimate = end.estimate.cloned();
+        Ending { status, failure, reason: end.reason.cloned(), missed, on_the_way, estimate }
     }
 
     fn missed(&self, at: LoadParameter) -> Missed {
@@ -353,6 +358,7 @@ impl<'a> Recorder<'a> {
     fn write_summary(&self, ending: Option<&Ending>) -> Result<(), ResultsError> {
         let mut steps: Vec<Step<'_>> = self.steps.iter().map(Step::Reached).collect();
         steps.extend(ending.into_iter().flat_map(|ending| &ending.missed).copied().map(Step::Missed));
+        let estimate = ending.and_then(|ending| ending.estimate.as_ref());
         let summary = Summary {
             program: "pneuflex",
             version: env!("CARGO_PKG_VERSION"),
@@ -361,7 +367,8 @@ impl<'a> Recorder<'a> {
             status: ending.map_or(Status::Running, |ending| ending.status),
             failure: ending.and_then(|ending| ending.failure.as_deref()),
             failure_reason: ending.and_then(|ending| ending.reason.as_ref()),
-            warnings: self.analysis.warnings(&self.steps),
+            warnings: self.analysis.warnings_beside(&self.steps, estimate),
+            error_estimate: estimate,
             results_of: if self.analysis.modelled_part().is_some() { "whole-body" } else { "model" },
             modelled: self.analysis.modelled_part(),
             symmetry_planes: self.analysis.problem.symmetry.iter().map(SymmetryPlane::words).collect(),

@@ -13,6 +13,7 @@ use pneuflex_post::summary::{ProbeSite, StepSummary, probe_sites};
 use crate::analysis::Analysis;
 use crate::derived;
 use crate::error::{Error, ResultsError, Unfinished};
+use crate::error_estimate::ErrorEstimate;
 use crate::folder::OutputFolder;
 use crate::neighbour::Neighbour;
 use crate::observer::{End, Event, Listener, Observer, ReachedState, StopToken};
@@ -212,6 +213,7 @@ impl<'a> Run<'a> {
             last_equilibrium,
             found: Solution { states, has_started_from, ..Solution::default() },
             keeps_fields: self.keeps_fields,
+            to_be_estimated: None,
             error: None,
             token: self.stop,
             stop,
@@ -283,6 +285,8 @@ struct Audience<'a> {
     last_equilibrium: Vec<[f64; 3]>,
     found: Solution,
     keeps_fields: bool,
+    /// The last state, if its errors are to be estimated: once the memory of the path is free again.
+    to_be_estimated: Option<ConvergedState>,
     /// First thing that could not be derived or recorded; nobody is told anything after it.
     error: Option<ResultsError>,
     token: StopToken,
@@ -305,6 +309,9 @@ impl Audience<'_> {
                 });
             }
             return Err(Box::new((failure, path.report())));
+        }
+        if self.analysis.output.error_estimate && !self.token.is_stopped() && self.error.is_none() {
+            self.to_be_estimated = Some(path.present());
         }
         let kept = path.take_equilibria();
         self.found.neighbour = kept.map(|kept| Neighbour::new(&self.analysis.problem.mesh, kept));
@@ -360,17 +367,21 @@ impl Audience<'_> {
         let explained =
             |failure| explain(&self.analysis.problem, self.analysis.vocabulary(), failure, &self.last_equilibrium);
         let reason = failure.as_ref().and_then(explained);
+        let last = self.to_be_estimated.take();
+        self.found.error_estimate = last.map(|state| ErrorEstimate::of(self.analysis, &state));
         let (failed, explained) = (failure.as_ref(), reason.as_ref());
         let mut error = self.error.take();
         for observer in &mut self.observers {
             let last = self.found.last.as_ref();
-            let end = End { report: &report, failure: failed, reason: explained, last, error: error.as_ref() };
+            let estimate = self.found.error_estimate.as_ref();
+            let end =
+                End { report: &report, failure: failed, reason: explained, last, estimate, error: error.as_ref() };
             if let Err(new) = observer.finish(&end) {
                 error.get_or_insert(new);
             }
         }
         let PathReport { iterations, timing } = report;
-        let warnings = self.analysis.warnings(&self.found.states);
+        let warnings = self.analysis.warnings_beside(&self.found.states, self.found.error_estimate.as_ref());
         let status = Status::at_end(self.analysis.left(&self.found.states), failure.as_ref(), error.is_some());
         let reached = Solution { status, warnings, iterations, timing, ..self.found };
         match (error, failure) {

@@ -6,6 +6,7 @@ use pneuflex_post::summary::StepSummary;
 use serde::{Serialize, Serializer};
 
 use crate::diagnosis::Warning;
+use crate::error_estimate::ErrorEstimate;
 use crate::neighbour::Neighbour;
 
 /// What was found.
@@ -20,6 +21,8 @@ pub struct Solution {
     pub fields: Vec<ConvergedState>,
     /// The last equilibrium of a run that ended early, if it lies between requested positions.
     pub last: Option<ConvergedState>,
+    /// How exact the last state is, if `output.error_estimate` asks for it and everything was reached.
+    pub error_estimate: Option<ErrorEstimate>,
     /// What to be careful about.
     pub warnings: Vec<Warning>,
     /// Newton iterations, those of rejected attempts included.

@@ -145,7 +145,7 @@ impl Earlier<'_> {
 
 /// Whether a run may go on with another value of a key: how the rest of the path is followed.
 fn may_change(key: &str) -> bool {
-    key == "load.pressure_kpa" || key == "load.times" || key.starts_with("solver.")
+    key == "output.error_estimate" || key == "load.pressure_kpa" || key == "load.times" || key.starts_with("solver.")
 }
 
 /// The positions on the load path that a case asks for, as far as it names them.

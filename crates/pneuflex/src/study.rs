@@ -17,6 +17,7 @@ use crate::memory::{Estimate, MemoryLimit};
 use crate::recorded_mesh::{self, RecordedMesh};
 use crate::solution::Solution;
 use crate::store::Store;
+use crate::words::{self, count};
 
 /// A case file, a model file or a deck, read and checked as far as its text goes.
 ///
@@ -34,7 +35,10 @@ pub struct Study {
 enum Described {
     Actuator(Box<CaseFile>),
     Model(Box<Written<Model>>),
-    Deck,
+    Deck {
+        /// A deck has no key to ask for it.
+        error_estimate: bool,
+    },
 }
 
 impl Study {
@@ -123,7 +127,7 @@ impl Study {
                 Some(source) => (BTreeMap::from([own]), source.clone(), file.case.mesh.element),
                 None => return Ok(BTreeMap::from([own])),
             },
-            Described::Deck => (BTreeMap::new(), source_of_deck(&self.path), None),
+            Described::Deck { .. } => (BTreeMap::new(), source_of_deck(&self.path), None),
         };
         let path = self.store.beside(&self.path, &source.file);
         let read = read_body(&self.store, &path, &source, element)?.files;
@@ -155,6 +159,18 @@ impl Study {
         Ok(self)
     }
 
+    /// Sets `output.error_estimate`, also for a deck, which has no keys.
+    ///
+    /// # Errors
+    /// As for [`Self::set`].
+    pub fn estimate_errors(&mut self) -> Result<&mut Self, Error> {
+        if let Described::Deck { error_estimate } = &mut self.described {
+            *error_estimate = true;
+            return Ok(self);
+        }
+        self.set("output.error_estimate", "true")
+    }
+
     /// What was set, as far as it has a meaning still.
     pub fn changes(&self) -> &[Change] {
         &self.changes
@@ -164,7 +180,7 @@ impl Study {
     pub fn case(&self) -> Option<&Case> {
         match &self.described {
             Described::Actuator(file) => Some(&file.case),
-            Described::Model(_) | Described::Deck => None,
+            Described::Model(_) | Described::Deck { .. } => None,
         }
     }
 
@@ -172,7 +188,7 @@ impl Study {
     pub fn model(&self) -> Option<&Model> {
         match &self.described {
             Described::Model(file) => Some(&file.case),
-            Described::Actuator(_) | Described::Deck => None,
+            Described::Actuator(_) | Described::Deck { .. } => None,
         }
     }
 
@@ -210,18 +226,29 @@ impl Study {
 
     /// The same; `guard` says from its size whether a body may be built, and what to warn of.
     pub(crate) fn build_guarded(&self, guard: Guard<'_>) -> Result<Analysis, Vec<InputError>> {
-        match &self.described {
-            Described::Actuator(file) => Analysis::of_case_file(file, guard),
+        let mut analysis = match &self.described {
+            Described::Actuator(file) => Analysis::of_case_file(file, guard)?,
             Described::Model(file) => {
                 let say = |error| file.out_of_range(&error);
-                Analysis::of_model(&self.store, &self.path, file.case.clone(), guard, &say)
+                Analysis::of_model(&self.store, &self.path, file.case.clone(), guard, &say)?
             }
-            Described::Deck => {
-                let model = Model { model: Some(source_of_deck(&self.path)), ..Model::default() };
+            Described::Deck { error_estimate } => {
+                let mut model = Model { model: Some(source_of_deck(&self.path)), ..Model::default() };
+                model.output.error_estimate = *error_estimate;
                 let say = |error| InputError::about_file(&self.path, error);
-                Analysis::of_model(&self.store, &self.path, model, guard, &say)
+                Analysis::of_model(&self.store, &self.path, model, guard, &say)?
             }
+        };
+        if let Some(size) = analysis.size_of_error_estimate() {
+            let without = "output.error_estimate = false does without the finer mesh".to_owned();
+            let warning = guard(size).map_err(|error| error.with_help(Some(without)))?;
+            let size = format!("{} unknowns and {}", count(size.unknowns), words::size(size.bytes));
+            analysis
+                .notes
+                .push(format!("the error estimate needs about {size}, and a factorisation or two of that size"));
+            analysis.notes.extend(warning.map(|warning| format!("warning: error estimate: {warning}")));
         }
+        Ok(analysis)
     }
 
     /// Builds and solves it from rest through all pressures or times.
@@ -242,7 +269,7 @@ fn source_of_deck(path: &Path) -> Source {
 fn read(path: &Path, text: &Arc<str>, changes: &[Change]) -> Result<Described, Vec<InputError>> {
     if is_deck(path) {
         return match changes.first() {
-            None => Ok(Described::Deck),
+            None => Ok(Described::Deck { error_estimate: false }),
             Some(change) => {
                 let name = change.to_string();
                 let place = Place::new(&name, Origin::Change, name.as_str().into(), 0..change.key.len());

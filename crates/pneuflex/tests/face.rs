@@ -115,7 +115,7 @@ fn a_run_can_be_recorded_when_it_has_ended() {
     let found = run.solve().unwrap();
     let states: Vec<_> = found.fields.iter().collect();
     let report = pneuflex::newton::PathReport { iterations: found.iterations, timing: found.timing };
-    let end = End { report: &report, failure: None, reason: None, last: None, error: None };
+    let end = End { report: &report, failure: None, reason: None, last: None, estimate: None, error: None };
     let [late, at_once] = [scratch("late"), scratch("at-once")];
     analysis.record(&late, &states, checkpoints.last().map(|last| (last, 2)), &end).unwrap();
     let further = coarse().set("load.pressure_kpa", "[1, 2, 3, 4]").unwrap().build().unwrap();

@@ -341,6 +341,7 @@ impl Outcome {
                     failure: failure.map(|(failure, _)| failure),
                     reason: failure.and_then(|(_, reason)| reason.as_ref()),
                     last: self.last.as_ref().map(|kept| &kept.equilibrium),
+                    estimate: None,
                     error: None,
                 };
                 self.analysis.record(&folder, &states, step, &end).map(drop)

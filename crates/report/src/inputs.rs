@@ -158,6 +158,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("solver.imperfection", "displacement along the motion that buckles", "mm"),
     ("output.fields", "field files", ""),
     ("output.points", "stresses at integration points", ""),
+    ("output.error_estimate", "errors by a mesh of divided elements", ""),
 ];
 
 /// All keys of a case or a model in groups, in the order of the page; what is not known here comes last. Tables of which there

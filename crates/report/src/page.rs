@@ -7,7 +7,7 @@ use crate::assets;
 use crate::numbers::thousands;
 use crate::report::Report;
 use crate::results::results;
-use crate::tables::{inputs, notices, status_text};
+use crate::tables::{exactness, inputs, notices, status_text};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
@@ -42,6 +42,7 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
                         section #plots .plots aria-label=(plots) {}
                     }
                     (results(report))
+                    (exactness(report))
                     (inputs(report))
                 }
                 footer {
@@ -242,6 +243,20 @@ mod tests {
         let data = html.split("application/json\">").nth(1).unwrap().split("</script>").next().unwrap();
         let data: serde_json::Value = serde_json::from_str(data).unwrap();
         assert_eq!(data["title"], hostile);
+    }
+
+    #[test]
+    fn estimated_errors_have_a_table_or_a_reason() {
+        assert!(!page("t", |_| ()).contains("How exact it is"));
+        let html = page("t", |summary| {
+            let errors = json!({"tip_displacement_mm": {"value": 0.25, "error": -0.0125, "percent": -4.76}});
+            summary["error_estimate"] = json!({"pressure_kpa": 5.0, "unknowns": 12345, "errors": errors});
+        });
+        for part in ["How exact it is at 5 kPa", "tip_displacement_mm", ">0.25<", ">−0.0125<", ">-4.8<", "12,345"] {
+            assert!(html.contains(part), "{part}");
+        }
+        let why = |summary: &mut serde_json::Value| summary["error_estimate"] = json!({"why_not": "<b>so</b>"});
+        assert!(page("t", why).contains("Errors were not estimated: &lt;b&gt;so&lt;/b&gt;."));
     }
 
     #[test]

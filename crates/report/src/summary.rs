@@ -52,6 +52,41 @@ pub struct Summary {
     /// What to be careful about.
     #[serde(default)]
     pub warnings: Option<Vec<Warning>>,
+    /// Estimated errors of the last state, if they were asked for.
+    #[serde(default)]
+    pub error_estimate: Option<ErrorEstimate>,
+}
+
+/// Estimated errors of a state, or why there are none.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ErrorEstimate {
+    /// Time; left out for actuators.
+    #[serde(default)]
+    pub time: Option<f64>,
+    /// Pressure, kPa.
+    #[serde(default)]
+    pub pressure_kpa: Option<f64>,
+    /// Unknowns of the finer mesh.
+    #[serde(default)]
+    pub unknowns: usize,
+    /// By the keys of their quantities.
+    #[serde(default)]
+    pub errors: BTreeMap<String, EstimatedError>,
+    /// Why there are none.
+    #[serde(default)]
+    pub why_not: Option<String>,
+}
+
+/// Estimated error of a quantity.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct EstimatedError {
+    /// The quantity in the results.
+    pub value: f64,
+    /// By how much it is too large.
+    pub error: f64,
+    /// The same in percent of the better value.
+    #[serde(default)]
+    pub percent: Option<f64>,
 }
 
 /// Size of the mesh.

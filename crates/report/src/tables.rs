@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::numbers::thousands;
+use crate::numbers::{number, thousands};
 use crate::report::Report;
 use crate::summary::{Summary, Warning};
 
@@ -44,6 +44,48 @@ fn warning_item(report: &Report<'_>, warning: &Warning) -> Markup {
             @if let Some(time) = warning.time.or(warning.pressure_kpa) { strong { (report.words(time)) ": " } }
             (warning.message)
             @if !warning.advice.is_empty() { span .advice { " " (warning.advice) } }
+        }
+    }
+}
+
+/// How exact the last state is; nothing where that was not asked for.
+pub fn exactness(report: &Report<'_>) -> Markup {
+    let Some(estimate) = &report.summary.error_estimate else { return html! {} };
+    let at = estimate.time.or(estimate.pressure_kpa).map_or_else(String::new, |at| format!(" at {}", report.words(at)));
+    html! {
+        section .sheet {
+            h2 { "How exact it is" (at) }
+            @match &estimate.why_not {
+                Some(why) => p .note { "Errors were not estimated: " (why) "." },
+                None => {
+                    div .scroll tabindex="0" role="region" aria-label="Estimated errors" {
+                        table .results {
+                            thead {
+                                tr {
+                                    th scope="col" { "quantity" }
+                                    th scope="col" { "value" }
+                                    th scope="col" { "estimated error" }
+                                    th scope="col" { "of that" span .unit { "%" } }
+                                }
+                            }
+                            tbody {
+                                @for (key, error) in &estimate.errors {
+                                    tr {
+                                        th scope="row" { code { (key) } }
+                                        td { (number(error.value)) }
+                                        td { (number(error.error)) }
+                                        td { (error.percent.map_or_else(|| "–".to_owned(), |percent| format!("{percent:+.1}"))) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                    p .note {
+                        "An error is positive where the value is too large. It is what a mesh of " (thousands(estimate.unknowns))
+                        " unknowns, with every element divided into eight, changes of the value; what that mesh lacks itself comes on top."
+                    }
+                }
+            }
         }
     }
 }

@@ -19,6 +19,7 @@ use kinds::{KINDS, Kind};
 use measure::{Mesh, Solved, solve};
 use pneuflex::model::Resolution;
 use record::Record;
+pub use record::between_marks;
 
 const USAGE: &str = "usage: cargo xtask accuracy [--quick] [--docs] [--only PART OF A NAME]
 
@@ -131,5 +132,5 @@ fn write_docs(record: &Record) -> Result<(), String> {
     put(&docs.join("accuracy.json"), &record.json()?)?;
     let page = docs.join("guide/src/accuracy.md");
     let text = fs::read_to_string(&page).map_err(|e| format!("{}: {e}", page.display()))?;
-    put(&page, &record::between_marks(&text, &record.markdown())?)
+    put(&page, &between_marks(&text, record::MARKS, &record.markdown())?)
 }

@@ -180,17 +180,17 @@ impl Record {
 }
 
 /// Marks of what is written by the command.
-const MARKS: [&str; 2] = ["<!-- made by cargo xtask accuracy --docs -->\n", "<!-- until here -->\n"];
+pub const MARKS: [&str; 2] = ["<!-- made by cargo xtask accuracy --docs -->\n", "<!-- until here -->\n"];
 
 /// A page with a table between its marks replaced.
 ///
 /// # Errors
 /// A page without the marks.
-pub fn between_marks(page: &str, table: &str) -> Result<String, String> {
-    let missing = || format!("the page has not the marks {MARKS:?}");
-    let (head, rest) = page.split_once(MARKS[0]).ok_or_else(missing)?;
-    let (_, tail) = rest.split_once(MARKS[1]).ok_or_else(missing)?;
-    Ok(format!("{head}{}\n{table}\n{}{tail}", MARKS[0], MARKS[1]))
+pub fn between_marks(page: &str, [first, last]: [&str; 2], table: &str) -> Result<String, String> {
+    let missing = || format!("the page has not the marks {first:?} and {last:?}");
+    let (head, rest) = page.split_once(first).ok_or_else(missing)?;
+    let (_, tail) = rest.split_once(last).ok_or_else(missing)?;
+    Ok(format!("{head}{first}\n{table}\n{last}{tail}"))
 }
 
 #[cfg(test)]
@@ -227,9 +227,9 @@ mod tests {
     #[test]
     fn the_table_takes_the_place_of_the_last_one() {
         let page = format!("a\n{}old\n{}b\n", MARKS[0], MARKS[1]);
-        let once = between_marks(&page, "new\n").unwrap();
+        let once = between_marks(&page, MARKS, "new\n").unwrap();
         assert_eq!(once, format!("a\n{}\nnew\n\n{}b\n", MARKS[0], MARKS[1]));
-        assert_eq!(between_marks(&once, "new\n").unwrap(), once);
-        assert!(between_marks("a", "b").is_err());
+        assert_eq!(between_marks(&once, MARKS, "new\n").unwrap(), once);
+        assert!(between_marks("a", MARKS, "b").is_err());
     }
 }

@@ -2,7 +2,7 @@
 //! physical reason.
 
 mod contact;
-mod design;
+pub mod design;
 mod outcome;
 mod wide;
 

@@ -113,6 +113,28 @@ fn a_model_file_adds_to_its_body() {
     }
 }
 
+/// The cube is stretched evenly, on every mesh: nothing changes from one to the next.
+#[test]
+fn a_deck_is_solved_on_finer_meshes() {
+    let folder = with_deck("finer");
+    let output = pneuflex(&folder, &["converge", "cube.inp", "--levels", "2", "--quiet"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.is_empty(), "{said}");
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("time 1") && table.contains("strain energy, mJ"), "{table}");
+    let file = fs::read(folder.join("out/cube-converge/converge.json")).unwrap();
+    let file: Value = serde_json::from_slice(&file).unwrap();
+    let [one, eight] = [0, 1].map(|level| file["levels"][level].clone());
+    assert_eq!([&one, &eight].map(|level| level["elements"].as_u64()), [Some(1), Some(8)]);
+    let step = one["steps"][0].as_object().unwrap();
+    let forces = step.iter().filter(|(key, _)| key.starts_with("reaction_") && key.ends_with("_n"));
+    assert!(forces.filter_map(|(_, n)| n.as_f64()).any(|n| (n / NOMINAL - 1.0).abs() < 1e-3), "{step:?}");
+    for (key, before) in step {
+        let [before, after] = [before, &eight["steps"][0][key]].map(|value| value.as_f64().unwrap());
+        assert!((before - after).abs() < 1e-9, "{key}: {before} {after}");
+    }
+}
+
 #[test]
 fn what_is_wrong_with_a_model_is_said_at_once() {
     let folder = with_deck("wrong");
