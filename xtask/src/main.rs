@@ -8,6 +8,7 @@ mod corpus;
 mod coverage;
 mod fuzz;
 mod kills;
+mod obstacles;
 mod program;
 mod record;
 mod relations;
@@ -36,6 +37,7 @@ tasks:
             [--draws N] [--seed S] [--docs]
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S] [--docs]
+  obstacles iterations where an obstacle moves and where supports do, by shape, element, stiffness and size
   relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
             turned, split, resumed, ...; fails if one has two, and writes it into target/relations;
             --docs of this and of fuzz and kills writes what was found into docs/relations.md
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Some("coverage") => coverage::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),
+        Some("obstacles") if rest.is_empty() => obstacles::run(),
         Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),
