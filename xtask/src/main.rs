@@ -9,6 +9,7 @@ mod coverage;
 mod estimates;
 mod fuzz;
 mod kills;
+mod obstacles;
 mod program;
 mod record;
 mod relations;
@@ -39,6 +40,7 @@ tasks:
             [--draws N] [--seed S] [--docs]
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S] [--docs]
+  obstacles iterations where an obstacle moves and where supports do, by shape, element, stiffness and size
   relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
             turned, split, resumed, ...; fails if one has two, and writes it into target/relations;
             --docs of this and of fuzz and kills writes what was found into docs/relations.md
@@ -65,6 +67,7 @@ fn main() -> ExitCode {
         Some("estimates") => estimates::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),
+        Some("obstacles") if rest.is_empty() => obstacles::run(),
         Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),

@@ -17,6 +17,8 @@
 //! * [`crushed`]: a cylinder crushed between plates, and by a block.
 //! * [`curved_contact`]: two arches pressed on each other, and a round die that irons a slab.
 //!
+//! [`moved_obstacle`]: what an obstacle that moves costs against supports that do (`cargo xtask obstacles`).
+//!
 //! [`relations`] are random problems, each written in two ways that must have one solution (`cargo xtask relations`); [`mutation`] damages their files
 //! (`cargo xtask fuzz`). [`known_cases`] are inputs that were once answered wrongly (`cargo xtask cases`). [`advice`] is tried here, whatever the program
 //! gives.
@@ -36,6 +38,7 @@ pub mod homogeneous;
 pub mod intervals;
 pub mod known_cases;
 pub mod manufactured;
+pub mod moved_obstacle;
 pub mod mutation;
 pub mod relations;
 pub mod row;

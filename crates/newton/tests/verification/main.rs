@@ -10,7 +10,7 @@
 //! * [`neighbour`]: guesses from the path of a similar problem.
 //! * [`held_by_contact`]: bodies without supports.
 //! * [`interference`]: overlaps at rest that are pressed out.
-//! * [`motion`]: obstacles that move, other units of length and force.
+//! * [`units`]: other units of length and force.
 //! * [`penetration`]: what the two contact variants let through.
 
 // Helpers count as tests here.
@@ -25,10 +25,10 @@ mod fixtures;
 mod held_by_contact;
 mod interference;
 mod loads;
-mod motion;
 mod neighbour;
 mod obstacles;
 mod penetration;
 mod resume;
 mod snap;
 mod snapshots;
+mod units;

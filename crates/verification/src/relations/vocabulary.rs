@@ -11,7 +11,7 @@ use super::draw::Draw;
 use super::form::Form;
 
 /// Keys and words that are not drawn, each with the reason.
-pub const NOT_DRAWN: [(&str, &str); 24] = [
+pub const NOT_DRAWN: [(&str, &str); 26] = [
     ("model: model.size", "is for parts, which Gmsh meshes"),
     (
         "model: model.inlet",
