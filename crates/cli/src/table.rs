@@ -58,7 +58,7 @@ struct Run {
 impl Run {
     fn read(folder: &Path) -> Result<Self, CliError> {
         let recorded = RecordedStates::read(folder)?;
-        let tip = Tip::of(&Study::load(&folder.join("case.toml"))?);
+        let tip = Tip::of(&Study::load(folder.join("case.toml"))?);
         let is_plain =
             |state: &RecordedState| state.numbers.is_some() && state.place == Place::OnPath(StateKind::Requested);
         let says_which = !recorded.states.iter().all(is_plain);
