@@ -150,8 +150,8 @@ pub struct RunArguments {
     /// that never stopped. Starts from the beginning where there is nothing to go on with
     #[arg(long)]
     pub resume: bool,
-    /// Estimate the errors of the last state, as output.error_estimate = true does: a mesh with every element divided into eight,
-    /// solved once or twice, which may take longer than the run
+    /// Estimate the errors of the last state, as output.error_estimate = true does: by a mesh with every element divided into
+    /// eight, which may take longer than the run
     #[arg(long)]
     pub estimate: bool,
     /// Leave out report.html

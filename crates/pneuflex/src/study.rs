@@ -245,7 +245,7 @@ impl Study {
             let size = format!("{} unknowns and {}", count(size.unknowns), words::size(size.bytes));
             analysis
                 .notes
-                .push(format!("the error estimate needs about {size}, and a factorisation or two of that size"));
+                .push(format!("the error estimate needs about {size}, and two factorisations of that size or more"));
             analysis.notes.extend(warning.map(|warning| format!("warning: error estimate: {warning}")));
         }
         Ok(analysis)
