@@ -202,7 +202,7 @@ impl Start<'_> {
             let mouth = hollow.mouth.map_or_else(
                 || ", closed".to_owned(),
                 |mouth| {
-                    let [x, y, z] = mouth.centre.map(|t| short(self.factor * t));
+                    let [x, y, z] = mouth.centre.map(|t| plain((1e3 * self.factor * t).round() / 1e3));
                     format!(", which opens near ({x}, {y}, {z})")
                 },
             );

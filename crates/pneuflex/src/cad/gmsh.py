@@ -30,6 +30,8 @@ def solids(part):
         sys.exit(3)
     # "Shapes/ASSEMBLY/PART" and the like.
     names = [gmsh.model.getEntityName(*volume).rstrip("/").split("/")[-1].strip() for volume in volumes]
+    # What its writer calls a solid without a name.
+    names = ["" if name.startswith("Open CASCADE") else name for name in names]
     groups = {}
     if len(volumes) > 1:
         _, pieces = occ.fragment(volumes, [])
@@ -80,9 +82,8 @@ def main(task, part, target, size, shape):
     diagonal = sum((low_high[d + 3] - low_high[d]) ** 2 for d in range(3)) ** 0.5
     size = float(size) or diagonal / 25
     option("Mesh.MeshSizeMax", size)
-    option("Mesh.MeshSizeMin", size / 4)
-    # Of a surface of triangles the curvature is a guess, and finer elements than its triangles show nothing more.
-    option("Mesh.MeshSizeFromCurvature", 8 if task == "fill" else 12)
+    option("Mesh.MeshSizeMin", size / 2)
+    option("Mesh.MeshSizeFromCurvature", 8)
     if task == "surface":
         gmsh.model.mesh.generate(2)
         # A file for each solid: where two meet, both have the face.
