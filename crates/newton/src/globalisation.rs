@@ -2,7 +2,7 @@
 //!
 //! One object sees every correction and returns a [`Verdict`]. What it does beyond Newton's own method: a factor is used again while it
 //! contracts (modified Newton), a correction from a tangent that is nearly singular is found once more with the stresses of the last
-//! equilibrium in the tangent, corrections that run in circles are shortened, and what runs away is given up.
+//! equilibrium in the tangent, corrections that run in circles are halved, and what runs away is given up.
 
 use pneuflex_model::Solver;
 
@@ -28,8 +28,8 @@ pub enum Choice {
 pub enum Verdict {
     /// It is applied.
     Accept,
-    /// As much of it is applied as releases energy.
-    Shorten,
+    /// This share of it is applied.
+    Shorten(f64),
     /// It is thrown away; the next one comes from a new tangent.
     Refactor,
     /// The attempt is given up.
@@ -57,8 +57,6 @@ pub struct Globalisation<'a> {
     size: f64,
     choice: Choice,
     iteration: usize,
-    /// Whether a correction was thrown away as hopeless.
-    was_hopeless: bool,
     /// Whether there is a tangent from near the guess, from which the first correction comes.
     has_tangent: bool,
     /// Corrections since the last tangent.
@@ -104,7 +102,6 @@ impl<'a> Globalisation<'a> {
             size: scales.size / scales.length,
             choice: Choice::New,
             iteration: 0,
-            was_hopeless: false,
             has_tangent,
             modified: 0,
             last: Measures::default(),
@@ -145,8 +142,8 @@ impl<'a> Globalisation<'a> {
         Some(self.choice)
     }
 
-    /// Judges a correction. `extent` computes how much it deforms the body, and is asked only if that matters. A hopeless one is found once more,
-    /// from a cautious tangent; the next hopeless one ends the attempt, and under `is_prescribed` motion of the supports the first does.
+    /// Judges a correction. `extent` computes how much it deforms the body, and is asked only if that matters; under `is_prescribed` motion
+    /// of the supports there is no second attempt.
     pub fn judge(&mut self, now: Measures, is_prescribed: bool, extent: impl FnOnce() -> Extent) -> Verdict {
         let tuning = self.tuning;
         if !now.norm.is_finite() || now.largest > tuning.runaway * self.size {
@@ -156,7 +153,7 @@ impl<'a> Globalisation<'a> {
             return self.judge_modified(now);
         }
         if now.largest > tuning.harmless && extent().exceeds(&tuning.hopeless) {
-            if std::mem::replace(&mut self.was_hopeless, true) || is_prescribed {
+            if self.choice == Choice::Cautious || is_prescribed {
                 return Verdict::Reject(Cause::Diverged { correction: now.norm });
             }
             self.choice = Choice::Cautious;
@@ -166,12 +163,11 @@ impl<'a> Globalisation<'a> {
         self.norms.push(now.norm);
         let before = self.norms.len().checked_sub(1 + tuning.circle).map(|index| self.norms[index]);
         let circles = before.is_some_and(|before| now.norm > tuning.not_smaller * before);
-        let circles = circles && self.iteration >= tuning.circling_from;
         self.watch(now.contact_points);
         self.watch_rounding(now);
         self.last = now;
-        self.goes_on = !circles;
-        if circles { Verdict::Shorten } else { Verdict::Accept }
+        self.goes_on = true;
+        if circles && self.iteration >= tuning.circling_from { Verdict::Shorten(0.5) } else { Verdict::Accept }
     }
 
     /// A correction of the factor at hand: it goes on while it needs few more corrections to get there; one that hardly contracts is
@@ -257,20 +253,24 @@ mod tests {
         Scales { size: 100.0, ..Scales::of_unit_cube() }
     }
 
+    fn small() -> Extent {
+        Extent::default()
+    }
+
     #[test]
     fn a_factor_is_used_again_while_it_contracts() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         assert_eq!(policy.next_tangent(), Some(Choice::New));
-        assert_eq!(policy.judge(measures(1.0), false, Extent::default), Verdict::Accept);
+        assert_eq!(policy.judge(measures(1.0), false, small), Verdict::Accept);
         // Too large to go on with the factor at hand.
         assert_eq!(policy.next_tangent(), Some(Choice::New));
-        assert_eq!(policy.judge(measures(1e-2), false, Extent::default), Verdict::Accept);
+        assert_eq!(policy.judge(measures(1e-2), false, small), Verdict::Accept);
         assert_eq!(policy.next_tangent(), Some(Choice::AtHand));
-        assert_eq!(policy.judge(measures(1e-5), false, Extent::default), Verdict::Accept);
+        assert_eq!(policy.judge(measures(1e-5), false, small), Verdict::Accept);
         assert_eq!(policy.next_tangent(), Some(Choice::AtHand));
         // Hardly smaller: thrown away, a new tangent follows.
-        assert_eq!(policy.judge(measures(0.9e-5), false, Extent::default), Verdict::Refactor);
+        assert_eq!(policy.judge(measures(0.9e-5), false, small), Verdict::Refactor);
         assert_eq!(policy.next_tangent(), Some(Choice::New));
         assert_eq!(policy.iteration(), 3);
     }
@@ -282,50 +282,49 @@ mod tests {
         let mut near = policy();
         for norm in [1e-2, 1e-5] {
             assert_eq!(near.next_tangent(), Some(Choice::AtHand));
-            assert_eq!(near.judge(measures(norm), false, Extent::default), Verdict::Accept);
+            assert_eq!(near.judge(measures(norm), false, small), Verdict::Accept);
         }
         assert_eq!((near.next_tangent(), near.iteration()), (Some(Choice::AtHand), 0));
         // A large correction is not its business.
         let mut far = policy();
         assert_eq!(far.next_tangent(), Some(Choice::AtHand));
-        assert_eq!(far.judge(measures(1.0), false, Extent::default), Verdict::Refactor);
+        assert_eq!(far.judge(measures(1.0), false, small), Verdict::Refactor);
         assert_eq!((far.next_tangent(), far.iteration()), (Some(Choice::New), 1));
-        assert_eq!(far.judge(measures(0.9), false, Extent::default), Verdict::Accept);
+        assert_eq!(far.judge(measures(0.9), false, small), Verdict::Accept);
     }
 
     #[test]
-    fn a_hopeless_correction_is_found_once_more_and_the_next_is_given_up() {
+    fn a_hopeless_correction_is_found_once_more_and_then_given_up() {
         let (tuning, settings) = (TUNING(), Solver::default());
-        let start = || Globalisation::new(&tuning, &settings, &scales(), false);
         let huge = || Extent { stretch: 2.0, angle: 0.0 };
-        let diverged = Verdict::Reject(Cause::Diverged { correction: 1.0 });
-        for after in [Choice::Cautious, Choice::New] {
-            let mut policy = start();
-            policy.next_tangent();
-            assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
-            assert_eq!(policy.next_tangent(), Some(Choice::Cautious));
-            if after == Choice::New {
-                assert_eq!(policy.judge(measures(0.5), false, Extent::default), Verdict::Accept);
-                assert!(policy.was_cautious() && policy.next_tangent() == Some(after));
-            }
-            assert_eq!(policy.judge(measures(1.0), false, huge), diverged);
-        }
-        // Not where supports move; and a small one is not hopeless.
-        for (is_prescribed, size, verdict) in [(true, 1.0, diverged), (false, 0.05, Verdict::Accept)] {
-            let mut policy = start();
-            policy.next_tangent();
-            assert_eq!(policy.judge(measures(size), is_prescribed, huge), verdict);
-        }
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
+        assert_eq!(policy.next_tangent(), Some(Choice::Cautious));
+        assert_eq!(policy.judge(measures(0.5), false, small), Verdict::Accept);
+        assert!(policy.was_cautious() && !policy.was_cautious());
+        assert_eq!(policy.next_tangent(), Some(Choice::New));
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Refactor);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(1.0), false, huge), Verdict::Reject(Cause::Diverged { correction: 1.0 }));
+        // Not where supports move.
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
+        policy.next_tangent();
+        assert!(matches!(policy.judge(measures(1.0), true, huge), Verdict::Reject(_)));
+        // Nor for a correction that is small.
+        let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
+        policy.next_tangent();
+        assert_eq!(policy.judge(measures(0.05), false, huge), Verdict::Accept);
     }
 
     #[test]
-    fn circles_are_broken() {
+    fn circles_are_broken_by_halving() {
         let (tuning, settings) = (TUNING(), Solver::default());
         let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
         for iteration in 1..=9 {
             policy.next_tangent();
-            let verdict = policy.judge(measures(0.5), false, Extent::default);
-            let expected = if iteration >= 8 { Verdict::Shorten } else { Verdict::Accept };
+            let verdict = policy.judge(measures(0.5), false, small);
+            let expected = if iteration >= 8 { Verdict::Shorten(0.5) } else { Verdict::Accept };
             assert_eq!(verdict, expected, "iteration {iteration}");
         }
     }
@@ -336,7 +335,7 @@ mod tests {
         for bad in [f64::NAN, f64::INFINITY, 2e5] {
             let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             policy.next_tangent();
-            let verdict = policy.judge(measures(bad), false, Extent::default);
+            let verdict = policy.judge(measures(bad), false, small);
             assert!(matches!(verdict, Verdict::Reject(Cause::Diverged { .. })), "{bad}");
         }
     }
@@ -349,7 +348,7 @@ mod tests {
             let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             let mut count = 0;
             while policy.next_tangent().is_some() {
-                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, Extent::default);
+                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
                 count += 1;
             }
             (count, policy.exhausted(7))
@@ -366,7 +365,7 @@ mod tests {
             let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             let mut count = 0;
             while policy.next_tangent().is_some() {
-                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, Extent::default);
+                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
                 count += 1;
             }
             count
@@ -385,7 +384,7 @@ mod tests {
             (0..9).find(|&count| {
                 policy.next_tangent();
                 policy.choice = Choice::New;
-                policy.judge(measures(count), false, Extent::default);
+                policy.judge(measures(count), false, small);
                 policy.is_stalled()
             })
         };

@@ -13,7 +13,7 @@ pub struct Tuning {
     /// Corrections smaller than this are not hopeless; like all lengths here in mean spacings of the nodes.
     pub harmless: f64,
     /// From this iteration on, a correction that is not smaller than [`Self::not_smaller`] times the one [`Self::circle`] tangents before is
-    /// shortened: contact points that open and close in turn let Newton's method run in circles.
+    /// halved: contact points that open and close in turn let Newton's method run in circles.
     pub circling_from: usize,
     /// See [`Self::circling_from`].
     pub circle: usize,

@@ -1,13 +1,12 @@
 //! Following a load path (Fig. 3 of the paper, Steps 1–8): from equilibrium to equilibrium in load steps.
 //!
 //! `step_control` chooses the steps, `predictor` makes a guess, or `neighbour` one from the path of a similar problem, `newton` finds the
-//! equilibrium from it, with a `line_search` where it runs in circles; `arc_length` goes on beyond limit points, `branching` where a body
-//! buckles, `snap` where it jumps; `ending` finds out why it goes no further.
+//! equilibrium from it; `arc_length` goes on beyond limit points, `branching` where a body buckles, `snap` where it jumps; `ending` finds out
+//! why it goes no further.
 
 mod arc_length;
 mod branching;
 mod ending;
-mod line_search;
 mod neighbour;
 mod newton;
 mod predictor;

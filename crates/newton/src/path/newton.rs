@@ -87,8 +87,7 @@ impl Path {
             let scale = criteria.scale(self.system.held_norm(&assembled.residual));
             observer(Event::Iteration(&self.record(&policy, &state, &tangent, &measures, scale)));
             let extent = || self.system.extent(&state.displacement, &correction.displacement);
-            let whole = (&correction, change_of_parameter);
-            let share = match policy.judge(measures, prescribed.is_some(), extent) {
+            match policy.judge(measures, prescribed.is_some(), extent) {
                 Verdict::Reject(cause) => {
                     self.system.recycle(Some(tangent));
                     return Err(cause);
@@ -97,11 +96,10 @@ impl Path {
                     (at_hand, left) = (Some(tangent), assembled.residual);
                     continue;
                 }
-                Verdict::Shorten => self.releasing_share(&state, whole, &assembled.residual)?,
-                Verdict::Accept => 1.0,
-            };
-            if share < 1.0 {
-                (correction, change_of_parameter) = (correction.scaled(share), share * change_of_parameter);
+                Verdict::Shorten(share) => {
+                    (correction, change_of_parameter) = (correction.scaled(share), share * change_of_parameter);
+                }
+                Verdict::Accept => {}
             }
             self.system.apply(&mut state, &correction)?;
             state.parameter = state.parameter + change_of_parameter;
