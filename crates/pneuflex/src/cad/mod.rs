@@ -1,6 +1,6 @@
 //! Parts from CAD, and surfaces of triangles, as meshes: measured here, filled by Gmsh, which is a process of its own.
 //!
-//! * [`gmsh`]: finding it and letting it run.
+//! * `gmsh`: finding it and letting it run.
 //!
 //! A part is data: Gmsh is told what to do by a script of this program, in a folder of its own, and imports shapes or triangles only.
 
