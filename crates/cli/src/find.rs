@@ -194,7 +194,8 @@ impl Continued<'_> {
         progress: &mut Progress,
         reached: &mut (dyn FnMut(Sample, Checkpoint) -> bool + Send),
     ) -> Result<(), Error> {
-        let analysis = Analysis { requested, ..self.analysis.clone() };
+        let mut analysis = self.analysis.clone();
+        analysis.requested = requested;
         let enough = StopToken::new();
         let mut last: Option<Checkpoint> = from.clone();
         let mut missing: Option<CliError> = None;
@@ -281,9 +282,8 @@ impl Fresh<'_> {
     fn sample(&self, at: f64, wanted: f64) -> Result<Sample, CliError> {
         let mut study = self.study.clone();
         study.set(self.key, &at.to_string())?;
-        let analysis = study.build_within(self.arguments.solve.memory_limit())?;
-        let requested: Vec<LoadParameter> = analysis.requested.last().copied().into_iter().collect();
-        let analysis = Analysis { requested, ..analysis };
+        let mut analysis = study.build_within(self.arguments.solve.memory_limit())?;
+        analysis.requested = analysis.requested.last().copied().into_iter().collect();
         let solution = analysis.run().without_fields().stop(&self.stop).solve()?;
         let state = solution.states.last();
         let state = state.ok_or_else(|| CliError::NotConverged(format!("{} = {at}: nothing was reached", self.key)))?;

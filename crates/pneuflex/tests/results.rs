@@ -261,7 +261,11 @@ fn a_force_on_the_nodes_of_a_face_is_a_traction_on_it_for_every_element() {
         let traction = solved(&|bar| {
             let traction_mpa = [0.05, 0.0, -0.002];
             let faces = "end face".to_owned();
-            bar.model.tractions.push(pneuflex::model::model_file::TractionTable { faces, traction_mpa, factor: None });
+            bar.model.tractions.push(pneuflex::model::model_file::TractionTable {
+                faces: faces.into(),
+                traction_mpa,
+                factor: None,
+            });
         });
         assert!(traction.probes["end"][0] > 0.1, "{formulation}: {:?}", traction.probes);
         for set in ["end", "end face"] {
@@ -281,9 +285,9 @@ fn results_are_of_the_whole_where_planes_are_declared() {
         let mut bar = bar(Formulation::of_kind(ElementKind::Hex20).unwrap());
         for (nodes, axis) in planes {
             if is_declared {
-                bar.symmetry(nodes, axis)
+                bar.symmetry(*nodes, axis)
             } else {
-                bar.hold(nodes, axis)
+                bar.hold(*nodes, axis)
             };
         }
         bar.force("end", [0.1, 0.0, 0.0]);
