@@ -107,15 +107,33 @@ pub fn changes(set: &[String]) -> Result<Vec<Change>, InputError> {
     set.iter().map(change).collect()
 }
 
-/// How cases are solved.
+/// With how many threads, and with how many words.
 #[derive(Debug, Args)]
-pub struct SolveArguments {
+pub struct ThreadArguments {
     /// Number of threads, at the most four times the cores [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Leave out everything about progress
     #[arg(long)]
     pub quiet: bool,
+}
+
+impl ThreadArguments {
+    /// Sets the number of threads, if one is given, for the whole program.
+    ///
+    /// # Errors
+    /// The threads cannot be started.
+    pub fn use_threads(&self) -> Result<(), Error> {
+        self.threads.map_or(Ok(()), |threads| pneuflex::use_threads(threads.into()))
+    }
+}
+
+/// How cases are solved.
+#[derive(Debug, Args)]
+pub struct SolveArguments {
+    /// Threads and words.
+    #[command(flatten)]
+    pub with: ThreadArguments,
     /// Solve even if the estimated memory exceeds what is available
     #[arg(long)]
     pub force: bool,
@@ -125,14 +143,6 @@ impl SolveArguments {
     /// How much memory may be needed.
     pub fn memory_limit(&self) -> MemoryLimit {
         if self.force { MemoryLimit::None } else { MemoryLimit::Available }
-    }
-
-    /// Sets the number of threads, if one is given, for the whole program.
-    ///
-    /// # Errors
-    /// The threads cannot be started.
-    pub fn use_threads(&self) -> Result<(), Error> {
-        self.threads.map_or(Ok(()), |threads| pneuflex::use_threads(threads.into()))
     }
 }
 
@@ -266,9 +276,9 @@ pub struct FindArguments {
         allow_negative_numbers = true
     )]
     pub between: Option<Vec<f64>>,
-    /// How it is solved.
+    /// Threads and words.
     #[command(flatten)]
-    pub solve: SolveArguments,
+    pub threads: ThreadArguments,
 }
 
 impl FindArguments {

@@ -21,7 +21,7 @@ use crate::terminal::say;
 /// # Errors
 /// Bad input, found before anything is solved or written; a result that cannot be written.
 pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
-    arguments.solve.use_threads()?;
+    arguments.solve.with.use_threads()?;
     let (limit, levels) = (arguments.solve.memory_limit(), usize::from(arguments.levels));
     let study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
     let analysis = study.build_within(limit)?;
@@ -30,7 +30,7 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
     let folder = OutputFolder::to_add_to(&arguments.out.clone().unwrap_or_else(default))?;
 
     let mut progress = |event: LevelEvent<'_>| match event {
-        _ if arguments.solve.quiet => {}
+        _ if arguments.solve.with.quiet => {}
         LevelEvent::Started { divisions, unknowns } => {
             say(&format!("elements divided by {divisions}: {} unknowns", thousands(unknowns as u64)));
         }
@@ -52,7 +52,7 @@ pub fn converge(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
         say(&format!("error: {failure}\n  what was computed so far is in {}", folder.path().display()));
         return Ok(Outcome::NotConverged);
     }
-    if !arguments.solve.quiet {
+    if !arguments.solve.with.quiet {
         say(&format!("results are in {}", folder.path().display()));
     }
     Ok(Outcome::Converged)

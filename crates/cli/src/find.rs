@@ -5,7 +5,7 @@ use std::io::Write;
 use pneuflex::model::{Clock, LoadParameter};
 use pneuflex::newton::Checkpoint;
 use pneuflex::post::summary::StepSummary;
-use pneuflex::{Analysis, Error, Event, InputError, StopToken, Study};
+use pneuflex::{Analysis, Error, Event, InputError, MemoryLimit, StopToken, Study};
 use pneuflex_sweep::numbers::{Tip, numbers};
 
 use crate::args::FindArguments;
@@ -15,8 +15,11 @@ use crate::outcome::Outcome;
 use crate::progress::Progress;
 use crate::terminal::say;
 
-/// Relative width of the interval at which the search ends, and how near the value must be, relative to how much it changes.
+/// Relative width of the interval at which the search ends,
 const CLOSE: f64 = 1e-7;
+
+/// and how near the value is where it ends before, relative to how much it changes.
+const NEAR: f64 = 1e-9;
 
 /// The name of the force on the only obstacle.
 pub const FORCE: &str = "force";
@@ -32,7 +35,7 @@ const FIRST: f64 = 1e-3;
 /// # Errors
 /// Bad input, found before anything is solved; a value that is never reached.
 pub fn find(arguments: &FindArguments) -> Result<Outcome, CliError> {
-    arguments.solve.use_threads()?;
+    arguments.threads.use_threads()?;
     let goal = arguments.goal()?;
     let study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
     let stop = interrupt::listen();
@@ -42,7 +45,7 @@ pub fn find(arguments: &FindArguments) -> Result<Outcome, CliError> {
             search.search(goal.1, ends).map(|(found, at)| (format!("{key} = {found}"), at))
         }
         _ => {
-            let analysis = study.build_within(arguments.solve.memory_limit())?;
+            let analysis = study.build_within(MemoryLimit::Available)?;
             let search = Continued { analysis: &analysis, tip: Tip::of(&study), column: &goal.0, stop: stop.clone() };
             let words = |found: f64| match analysis.problem.clock {
                 Clock::Pressure => format!("{found} kPa"),
@@ -118,7 +121,7 @@ fn root(mut ends: [Sample; 2], mut miss: impl FnMut(f64) -> Result<f64, CliError
         let [low, high] = ends;
         let width = high.at - low.at;
         let best = if low.miss.abs() < high.miss.abs() { low } else { high };
-        if best.miss.abs() <= CLOSE * scale || width.abs() <= CLOSE * low.at.abs().max(high.at.abs()) {
+        if best.miss.abs() <= NEAR * scale || width.abs() <= CLOSE * low.at.abs().max(high.at.abs()) {
             return Ok(best);
         }
         let [a, b] = [weights[0] * low.miss, weights[1] * high.miss];
@@ -148,7 +151,7 @@ impl Continued<'_> {
         let end = requested.last().copied().unwrap_or_default();
         let clock = self.analysis.problem.clock;
         let parts = self.analysis.problem.parts_of_whole();
-        let mut progress = Progress::new(arguments.solve.quiet, clock, [LoadParameter::default(), end], parts);
+        let mut progress = Progress::new(arguments.threads.quiet, clock, [LoadParameter::default(), end], parts);
         let mut states: Vec<(Sample, Checkpoint)> = Vec::new();
         // A first state near rest: what is wanted may lie before the first one that is asked for.
         let near_rest = requested.first().filter(|first| first.0 > 0.0).map(|first| LoadParameter(FIRST * first.0));
@@ -282,13 +285,13 @@ impl Fresh<'_> {
     fn sample(&self, at: f64, wanted: f64) -> Result<Sample, CliError> {
         let mut study = self.study.clone();
         study.set(self.key, &at.to_string())?;
-        let mut analysis = study.build_within(self.arguments.solve.memory_limit())?;
+        let mut analysis = study.build_within(MemoryLimit::Available)?;
         analysis.requested = analysis.requested.last().copied().into_iter().collect();
         let solution = analysis.run().without_fields().stop(&self.stop).solve()?;
         let state = solution.states.last();
         let state = state.ok_or_else(|| CliError::NotConverged(format!("{} = {at}: nothing was reached", self.key)))?;
         let value = value_of(self.column, state, &Tip::of(&study))?;
-        if !self.arguments.solve.quiet {
+        if !self.arguments.threads.quiet {
             say(&format!("{} = {at}: {} = {}", self.key, self.column, rounded(value)));
         }
         Ok(Sample { at, miss: value - wanted })

@@ -22,7 +22,7 @@ use crate::terminal::say;
 /// Bad input, found before anything is solved or written; results that cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     // Before anything uses threads: reading does, to see whether an obstacle overlaps the body.
-    arguments.solve.use_threads()?;
+    arguments.solve.with.use_threads()?;
     let mut study = Study::load_with(&arguments.case.case, arguments.case.changes()?)?;
     if arguments.estimate {
         study.estimate_errors()?;
@@ -36,7 +36,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         Start::Complete(_) => {
             // A run may have died before it had written its report.
             if !arguments.no_report && !folder.path().join(REPORT).exists() {
-                report_or_warn(&folder, arguments.solve.quiet);
+                report_or_warn(&folder, arguments.solve.with.quiet);
             }
             say(&format!("{place}: the run is complete, nothing is left to do"));
             return Ok(Outcome::Converged);
@@ -47,7 +47,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let end = analysis.requested.last().copied().unwrap_or_default();
     let clock = analysis.problem.clock;
     let parts = analysis.problem.parts_of_whole();
-    let mut progress = Progress::new(arguments.solve.quiet, clock, [begin.unwrap_or_default(), end], parts);
+    let mut progress = Progress::new(arguments.solve.with.quiet, clock, [begin.unwrap_or_default(), end], parts);
     announce(&analysis, &folder, &progress);
     match begin {
         Some(at) => progress.line(&format!("going on from {}", clock.words(at))),
@@ -60,7 +60,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     progress.finish();
     let report = || {
         if !arguments.no_report {
-            report_or_warn(&folder, arguments.solve.quiet);
+            report_or_warn(&folder, arguments.solve.with.quiet);
         }
     };
     match result {

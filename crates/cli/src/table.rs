@@ -205,11 +205,19 @@ impl Table {
             let of_vector = largest.entry(column.vector().to_owned()).or_default();
             *of_vector = of_vector.max(column.largest());
         }
+        let has_tip = self.columns.iter().any(|column| column.quantity.starts_with("tip."));
         self.columns.retain(|column| {
             let quantity = column.quantity.split('.').next().unwrap_or_default();
             let is_there = column.largest() > ROUNDING * largest[column.vector()];
-            column.quantity == "state" || (USUAL.contains(&quantity) && is_there)
+            // The probe of that name is the tip, as a rule, and stands there as such.
+            let is_twice = column.quantity.strip_prefix("probe.").is_some_and(|probe| probe.starts_with("tip.")) && has_tip;
+            column.quantity == "state" || (USUAL.contains(&quantity) && is_there && !is_twice)
         });
+        let place = |column: &Column| {
+            let quantity = column.quantity.split('.').next().unwrap_or_default();
+            (quantity != "state").then(|| USUAL.iter().position(|usual| *usual == quantity))
+        };
+        self.columns.sort_by_key(|column| place(column));
     }
 
     fn all(&self) -> impl Iterator<Item = &Column> {
