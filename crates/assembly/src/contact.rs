@@ -87,19 +87,6 @@ impl ContactForces {
         &self.touching.blocks
     }
 
-    /// What touches at the position taken last, with what is kept in contact on the way to an equilibrium.
-    fn found_on_the_way(&self, is_on_the_way: bool) -> Touching {
-        if !is_on_the_way {
-            return self.model.search(&self.positions);
-        }
-        let keeping = |let_go: &[usize]| {
-            self.model.search_keeping(&self.positions, &self.model.kept_distances(self.carried(), let_go))
-        };
-        let found = keeping(&[]);
-        let let_go = found.let_go(&self.model, self.carried());
-        if let_go.is_empty() { found } else { keeping(&let_go) }
-    }
-
     fn found_at(&self, displacement: &[[f64; 3]]) -> Touching {
         self.model.search(&self.mesh.deformed(displacement))
     }
@@ -117,7 +104,8 @@ impl Contribution for ContactForces {
         if position.is_on_the_way {
             self.cut_where_moved(position.displacement);
         }
-        self.touching = self.found_on_the_way(position.is_on_the_way);
+        let kept = if position.is_on_the_way { self.model.kept_distances(self.carried()) } else { Vec::new() };
+        self.touching = self.model.search_keeping(&self.positions, &kept);
         self.touching.carry(&self.model, &self.stored[..self.model.num_points()]);
     }
 

@@ -1,6 +1,5 @@
 //! The contact of a problem: surfaces, obstacles, laws and multipliers.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use pneuflex_mesh::{Mesh, shape};
@@ -113,30 +112,24 @@ impl ContactModel {
     /// This is the primal-dual active set of a penalty k. With c = k a point leaves as soon as its distance is positive; after a correction
     /// that distance is t/k less than what the linear system leaves out, and under a stiff penalty only that decides: points leave and come
     /// back in turn. With c of the order of the body's own stiffness the decision does not depend on k (Hintermüller, Ito & Kunisch 2002,
-    /// *SIAM J. Optim.* 13; Wriggers 2006, *Computational Contact Mechanics*, §10.4). Soft penalties decide by themselves, but for the
-    /// surfaces and obstacles that are `let_go` ([`crate::Touching::let_go`]).
-    pub fn kept_distances(&self, tractions: &[f64], let_go: &[usize]) -> Vec<f64> {
+    /// *SIAM J. Optim.* 13; Wriggers 2006, *Computational Contact Mechanics*, §10.4).
+    pub fn kept_distances(&self, tractions: &[f64]) -> Vec<f64> {
         let most = MOST_KEPT * self.mesh.mean_node_spacing();
         let mut kept = vec![0.0; tractions.len()];
-        for (number, (points, stiffness)) in self.partners().enumerate() {
-            if stiffness > SOFT * self.body_stiffness || let_go.contains(&number) {
-                let flexibility = (1.0 / self.body_stiffness - 1.0 / stiffness).max(0.0);
-                points.for_each(|point| kept[point] = (tractions[point] * flexibility).min(most));
+        let mut keep = |first: usize, count: usize, stiffness: f64| {
+            let is_stiff = stiffness > SOFT * self.body_stiffness;
+            let flexibility = if is_stiff { 1.0 / self.body_stiffness - 1.0 / stiffness } else { 0.0 };
+            for number in first..first + count {
+                kept[number] = (tractions[number] * flexibility).min(most);
             }
+        };
+        for pair in &self.surface_pairs {
+            keep(pair.first_point, pair.num_points(), pair.stiffness);
+        }
+        for rigid in &self.obstacles {
+            keep(rigid.first_point, rigid.points.areas.len(), rigid.obstacle.stiffness);
         }
         kept
-    }
-
-    /// Points and stiffness (N/mm³) of all surface pairs, and then of all obstacles.
-    pub(crate) fn partners(&self) -> impl Iterator<Item = (Range<usize>, f64)> + '_ {
-        let of = |first: usize, count: usize, stiffness: f64| (first..first + count, stiffness);
-        let of_pairs =
-            self.surface_pairs.iter().map(move |pair| of(pair.first_point, pair.num_points(), pair.stiffness));
-        of_pairs.chain(
-            self.obstacles
-                .iter()
-                .map(move |rigid| of(rigid.first_point, rigid.points.areas.len(), rigid.obstacle.stiffness)),
-        )
     }
 
     /// Where an obstacle has moved between two positions on the load path, mm.
