@@ -210,7 +210,8 @@ impl Table {
             let quantity = column.quantity.split('.').next().unwrap_or_default();
             let is_there = column.largest() > ROUNDING * largest[column.vector()];
             // The probe of that name is the tip, as a rule, and stands there as such.
-            let is_twice = column.quantity.strip_prefix("probe.").is_some_and(|probe| probe.starts_with("tip.")) && has_tip;
+            let is_twice =
+                column.quantity.strip_prefix("probe.").is_some_and(|probe| probe.starts_with("tip.")) && has_tip;
             column.quantity == "state" || (USUAL.contains(&quantity) && is_there && !is_twice)
         });
         let place = |column: &Column| {
