@@ -216,6 +216,14 @@ pub enum Scheduler {
     Hq,
 }
 
+/// Two numbers with a comma between them.
+fn ends(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || "must be two numbers as in 0.8,2".to_owned();
+    let (a, b) = text.split_once(',').ok_or_else(wanted)?;
+    let number = |text: &str| text.trim().parse().map_err(|_| wanted());
+    Ok([number(a)?, number(b)?])
+}
+
 /// A number, or the first and the last of several.
 fn numbers(text: &str) -> Result<[usize; 2], String> {
     let number = |text: &str| text.trim().parse().map_err(|_| "must be a number, or two as in 10-19".to_owned());
@@ -267,15 +275,8 @@ pub struct FindArguments {
     #[arg(long, value_name = "KEY", requires = "between")]
     pub by: Option<String>,
     /// Values of the key between which it is looked for
-    #[arg(
-        long,
-        value_name = "A,B",
-        requires = "by",
-        value_delimiter = ',',
-        num_args = 2,
-        allow_negative_numbers = true
-    )]
-    pub between: Option<Vec<f64>>,
+    #[arg(long, value_name = "A,B", requires = "by", value_parser = ends, allow_hyphen_values = true)]
+    pub between: Option<[f64; 2]>,
     /// Threads and words.
     #[command(flatten)]
     pub threads: ThreadArguments,

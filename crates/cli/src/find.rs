@@ -27,6 +27,9 @@ pub const FORCE: &str = "force";
 /// Solutions in a search at the most.
 const MOST: usize = 40;
 
+/// Where false position has not come there in so many solutions, halves do.
+const BISECTED_FROM: usize = 12;
+
 /// The first pressure or time of a path where none of those that are asked for lies before the value, as a share of the first of them.
 const FIRST: f64 = 1e-3;
 
@@ -42,7 +45,7 @@ pub fn find(arguments: &FindArguments) -> Result<Outcome, CliError> {
     let found = match (&arguments.by, &arguments.between) {
         (Some(key), Some(ends)) => {
             let search = Fresh { study, arguments, column: &goal.0, key, stop: stop.clone() };
-            search.search(goal.1, ends).map(|(found, at)| (format!("{key} = {found}"), at))
+            search.search(goal.1, *ends).map(|(found, at)| (format!("{key} = {found}"), at))
         }
         _ => {
             let analysis = study.build_within(MemoryLimit::Available)?;
@@ -125,7 +128,7 @@ fn root(mut ends: [Sample; 2], mut miss: impl FnMut(f64) -> Result<f64, CliError
             return Ok(best);
         }
         let [a, b] = [weights[0] * low.miss, weights[1] * high.miss];
-        let share = if count % 4 == 3 { 0.5 } else { (a / (a - b)).clamp(0.01, 0.99) };
+        let share = if count % 4 == 3 || count > BISECTED_FROM { 0.5 } else { (a / (a - b)).clamp(0.01, 0.99) };
         let at = low.at + share * width;
         let sample = Sample { at, miss: miss(at)? };
         let side = usize::from((sample.miss > 0.0) == (high.miss > 0.0));
@@ -271,7 +274,7 @@ struct Fresh<'a> {
 }
 
 impl Fresh<'_> {
-    fn search(&self, wanted: f64, ends: &[f64]) -> Result<(f64, f64), CliError> {
+    fn search(&self, wanted: f64, ends: [f64; 2]) -> Result<(f64, f64), CliError> {
         let samples = [self.sample(ends[0], wanted)?, self.sample(ends[1], wanted)?];
         if (samples[0].miss > 0.0) == (samples[1].miss > 0.0) {
             let [a, b] = samples.map(|s| format!("{} at {} = {}", rounded(s.miss + wanted), self.key, s.at));
