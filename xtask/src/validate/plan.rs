@@ -177,7 +177,7 @@ impl Run {
 pub enum Extent {
     /// Every mesh and every statement.
     Full,
-    /// For CI: each body on one mesh, fewer pressures along the path, rod and sensitivities (of fewer lengths) on a coarse mesh.
+    /// For CI: the actuator on one mesh, fewer pressures along the path, rod and sensitivities (of fewer lengths) on a coarse mesh.
     Quick,
 }
 
@@ -185,8 +185,8 @@ impl Extent {
     /// Meshes of the statements about a body; the first one is that of the pictures.
     pub fn meshes(self, body: Body) -> Vec<Mesh> {
         match (self, body) {
-            (Self::Quick, _) => vec![COARSE],
-            (Self::Full, _) => vec![COARSE, REFINED],
+            (Self::Quick, Body::Actuator) => vec![COARSE],
+            _ => vec![COARSE, REFINED],
         }
     }
 
@@ -194,7 +194,7 @@ impl Extent {
     pub fn face_sizes(self) -> Vec<Mesh> {
         match self {
             Self::Full => vec![COARSE, REFINED, FINE, TRILINEAR],
-            Self::Quick => vec![COARSE, TRILINEAR],
+            Self::Quick => vec![COARSE, REFINED, TRILINEAR],
         }
     }
 
@@ -202,7 +202,7 @@ impl Extent {
     pub fn rod_meshes(self) -> Vec<Mesh> {
         match self {
             Self::Full => self.meshes(Body::Actuator),
-            Self::Quick => vec![TRILINEAR_COARSEST],
+            Self::Quick => vec![TRILINEAR_COARSE],
         }
     }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use super::plan::{Body, Extent, Mesh, Method, PRESSURES, TRILINEAR_COARSEST};
+use super::plan::{Body, Extent, Mesh, Method, PRESSURES, TRILINEAR_COARSE};
 use super::record::{Statement, on};
 use super::runner::Runner;
 use super::shapes::tip_distance;
@@ -76,7 +76,7 @@ pub struct RodResult {
 
 /// Rough seconds for the identification.
 pub fn expected_s(extent: Extent) -> f64 {
-    let per_mesh = |mesh: &Mesh| if *mesh == TRILINEAR_COARSEST { 2.0 } else { 18.0 * (4.5 / mesh.size).powf(1.5) };
+    let per_mesh = |mesh: &Mesh| if *mesh == TRILINEAR_COARSE { 4.0 } else { 18.0 * (4.5 / mesh.size).powf(1.5) };
     extent.rod_meshes().iter().map(per_mesh).sum()
 }
 
