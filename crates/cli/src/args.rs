@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use pneuflex::find::{FORCE, Goal};
 use pneuflex::{Change, Error, InputError, MemoryLimit};
 
 use crate::completions::CompletionsArguments;
 use crate::examples;
-use crate::find::FORCE;
 use crate::fit::FitArguments;
 use crate::man::ManArguments;
 use crate::materials::MaterialsArguments;
@@ -287,7 +287,7 @@ impl FindArguments {
     ///
     /// # Errors
     /// A `--column` that has none, a value that is no finite number.
-    pub fn goal(&self) -> Result<(String, f64), InputError> {
+    pub fn goal(&self) -> Result<Goal, InputError> {
         let named = [
             ("end_face_angle_deg", self.angle),
             ("chord_angle_deg", self.chord_angle),
@@ -307,7 +307,9 @@ impl FindArguments {
         let column = self.column.as_deref().unwrap_or_default();
         let ends = self.between.iter().flatten();
         match goal {
-            Some((name, value)) if value.is_finite() && ends.clone().all(|end| end.is_finite()) => Ok((name, value)),
+            Some((name, value)) if value.is_finite() && ends.clone().all(|end| end.is_finite()) => {
+                Ok(Goal { column: name, value })
+            }
             Some(_) => Err(InputError::new("find: a value or an end is no finite number")),
             None => Err(InputError::new(format!(
                 "--column {column}: expected NAME=VALUE, e.g. --column end_face_angle_deg=90"

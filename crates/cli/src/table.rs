@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
+use pneuflex::columns::{Tip, columns as numbers};
 use pneuflex::model::StateKind;
 use pneuflex::recorded_states::{Place, RecordedState, RecordedStates};
-use pneuflex::{InputError, Study, json};
-use pneuflex_sweep::Pairs;
-use pneuflex_sweep::numbers::{Tip, numbers};
+use pneuflex::{InputError, Pairs, Study, json};
 use serde_json::Value;
 
 use crate::args::{TableArguments, TableForm};

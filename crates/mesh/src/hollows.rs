@@ -8,7 +8,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::mesh::{Facet, Mesh};
-use crate::skin::{FacePlace, Skin, Vec3, cross, dot, minus, norm};
+use crate::skin::{FacePlace, Skin};
+use crate::vector::{Vec3, bounds, cross, dot, longest_axis, norm, ray_meets, sub};
 
 /// Parts of the surface are smooth up to this angle between neighbouring faces, degrees.
 const SMOOTH: f64 = 30.0;
@@ -76,7 +77,7 @@ struct Rim {
 impl Rim {
     /// Whether a point lies in its disc, or close before or behind it.
     fn is_closed_at(&self, point: Vec3) -> bool {
-        let off = minus(point, self.centre);
+        let off = sub(point, self.centre);
         let size = norm(self.area);
         size > 0.0 && norm(off) <= self.radius && dot(off, self.area).abs() <= CLOSE * self.radius * size
     }
@@ -136,13 +137,7 @@ impl Mesh {
 
     /// The axis along which the body is longest: 0, 1, 2 for x, y, z.
     pub fn longest_axis(&self) -> usize {
-        let extent = |d: usize| {
-            let span = |(a, b): (f64, f64), x: &[f64; 3]| (a.min(x[d]), b.max(x[d]));
-            let (low, high) = self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
-            high - low
-        };
-        // The first of equal ones.
-        (1..3).fold(0, |longest, d| if extent(d) > extent(longest) * (1.0 + 1e-9) { d } else { longest })
+        bounds(self.nodes.iter().copied()).map_or(0, longest_axis)
     }
 }
 
@@ -219,17 +214,17 @@ impl Opening<'_> {
         let (mut centre, mut length) = ([0.0; 3], 0.0);
         for &edge in &edges {
             let [a, b] = self.ends(edge);
-            let along = norm(minus(b, a));
+            let along = norm(sub(b, a));
             length += along;
             (0..3).for_each(|d| centre[d] += 0.5 * along * (a[d] + b[d]));
         }
         let centre = centre.map(|t| t / length);
-        let radius = edges.iter().flat_map(|&edge| self.ends(edge)).map(|x| norm(minus(x, centre))).fold(0.0, f64::max);
+        let radius = edges.iter().flat_map(|&edge| self.ends(edge)).map(|x| norm(sub(x, centre))).fold(0.0, f64::max);
         let area = self.fan(&edges, centre);
         let size = norm(area);
         let is_flat = size > 0.0
             && edges.iter().flat_map(|&edge| self.ends(edge)).all(|x| {
-                let off = dot(minus(x, centre), area) / size;
+                let off = dot(sub(x, centre), area) / size;
                 off.abs() <= FLAT * radius
             });
         Rim { edges, centre, radius, area, is_flat }
@@ -247,7 +242,7 @@ impl Opening<'_> {
         loop {
             let next = beside.get(&at).and_then(|two| two.iter().copied().find(|&node| node != from));
             let Some(to) = next else { return sum };
-            let [a, b] = [at, to].map(|node| minus(self.mesh.nodes[node as usize], centre));
+            let [a, b] = [at, to].map(|node| sub(self.mesh.nodes[node as usize], centre));
             let area = cross(a, b);
             (0..3).for_each(|d| sum[d] += 0.5 * area[d]);
             (from, at) = (at, to);
@@ -334,7 +329,7 @@ impl Opening<'_> {
         let (mut whole, mut around) = (0.0, 0.0);
         for &edge in &rim.edges {
             let [a, b] = self.ends(edge);
-            let length = norm(minus(a, b));
+            let length = norm(sub(a, b));
             let to_centre: Vec3 = std::array::from_fn(|d| rim.centre[d] - 0.5 * (a[d] + b[d]));
             let wall = self.skin.edges[edge].faces.into_iter().find(|face| members.contains(face));
             let normal = wall.map_or([0.0; 3], |face| self.skin.places[face].normal);
@@ -349,7 +344,7 @@ impl Opening<'_> {
     fn is_chamber(&self, piece: &Piece, rim: &Rim) -> bool {
         let axis = rim.area.map(|t| t / norm(rim.area));
         let from_axis = |x: Vec3| {
-            let off = minus(x, rim.centre);
+            let off = sub(x, rim.centre);
             let along = dot(off, axis);
             norm(std::array::from_fn(|d| off[d] - along * axis[d]))
         };
@@ -363,7 +358,7 @@ impl Opening<'_> {
         let members: BTreeSet<usize> = piece.faces.iter().copied().collect();
         let beside =
             rim.edges.iter().flat_map(|&edge| self.skin.edges[edge].faces).filter(|face| members.contains(face));
-        let side: f64 = beside.map(|face| dot(minus(self.skin.places[face].centre, rim.centre), axis)).sum();
+        let side: f64 = beside.map(|face| dot(sub(self.skin.places[face].centre, rim.centre), axis)).sum();
         if side > 0.0 { axis.map(|t| -t) } else { axis }
     }
 
@@ -375,7 +370,8 @@ impl Opening<'_> {
             let corners = self.mesh.face_kind(facet).num_corners();
             let nodes = self.mesh.facet_nodes(facet);
             let x = |i: usize| self.mesh.nodes[nodes[i] as usize];
-            (1..corners - 1).any(|i| hits(from, direction, [x(0), x(i), x(i + 1)]))
+            (1..corners - 1)
+                .any(|i| ray_meets(from, direction, [x(0), x(i), x(i + 1)]).is_some_and(|along| along > 0.0))
         };
         !self.skin.facets.iter().any(meets)
     }
@@ -406,7 +402,7 @@ impl Opening<'_> {
     /// rim is added.
     fn behind(&self, point: [f64; 3], rims: &mut Vec<Rim>) -> Result<Piece, NoMouth> {
         let mut order: Vec<(f64, usize)> =
-            rims.iter().enumerate().map(|(number, rim)| (norm(minus(rim.centre, point)), number)).collect();
+            rims.iter().enumerate().map(|(number, rim)| (norm(sub(rim.centre, point)), number)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut work = 0;
         let mut best: Option<Piece> = None;
@@ -445,26 +441,11 @@ impl Opening<'_> {
                 let rims = self.closed_lines(&crossing).into_iter().map(|line| self.rim(line));
                 // A line that follows the plane; others run along it.
                 let is_along = |rim: &Rim| rim.area[axis].abs() > UPRIGHT * norm(rim.area);
-                found.extend(rims.filter(|rim| norm(minus(rim.centre, point)) <= rim.radius && is_along(rim)));
+                found.extend(rims.filter(|rim| norm(sub(rim.centre, point)) <= rim.radius && is_along(rim)));
             }
         }
         found
     }
-}
-
-/// Whether a ray meets a triangle.
-fn hits(from: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> bool {
-    let (u, v) = (minus(b, a), minus(c, a));
-    let p = cross(direction, v);
-    let determinant = dot(u, p);
-    if determinant.abs() < 1e-12 * norm(u) * norm(v) {
-        return false;
-    }
-    let t = minus(from, a);
-    let first = dot(t, p) / determinant;
-    let q = cross(t, u);
-    let second = dot(direction, q) / determinant;
-    first >= 0.0 && second >= 0.0 && first + second <= 1.0 && dot(v, q) / determinant > 0.0
 }
 
 #[cfg(test)]
@@ -512,7 +493,7 @@ mod tests {
             let (open, closed) = (&found[0], &found[1]);
             assert!((open.volume - 29.0).abs() < 1e-9 && (closed.volume - 1.0).abs() < 1e-9, "{}", open.volume);
             let mouth = open.mouth.unwrap();
-            assert!((mouth.area - 1.0).abs() < 1e-12 && norm(minus(mouth.centre, [2.5, 2.5, 6.0])) < 1e-12);
+            assert!((mouth.area - 1.0).abs() < 1e-12 && norm(sub(mouth.centre, [2.5, 2.5, 6.0])) < 1e-12);
             // A point makes a chamber of the blind hole.
             let (found, _) = mesh.hollows(&[[7.5, 2.5, 6.0]]).unwrap();
             assert_eq!(found.len(), 2);

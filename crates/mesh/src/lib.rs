@@ -17,6 +17,7 @@
 //! * [`lattice`]: structured hexahedra, tetrahedra or wedges on a tensor-product grid from which cells are left out.
 //! * [`kuhn`]: the division of a lattice cell into six tetrahedra.
 //! * [`testing`]: meshes of several families.
+//! * [`vector`]: vectors, boxes and triangles.
 //! * [`Mesh::skin`]: the surface with what lies beside its faces; [`Mesh::hollows`]: the hollow spaces behind it.
 //! * [`actuator`]: the parametric actuator built on such a lattice.
 
@@ -41,6 +42,7 @@ pub mod shape;
 mod shares;
 mod skin;
 pub mod testing;
+pub mod vector;
 mod volume_within;
 
 pub use actuator::{
@@ -57,4 +59,4 @@ pub use hollows::{Hollow, Mouth, NoMouth};
 pub use kinds::{Kinds, PerKind};
 pub use mesh::{Facet, Mesh};
 pub use number_or_list::{NumberOrList, number_or_list};
-pub use skin::{FacePlace, Skin, SkinEdge, angle_between};
+pub use skin::{FacePlace, Skin, SkinEdge};

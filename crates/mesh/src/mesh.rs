@@ -6,6 +6,7 @@ use crate::element::ElementKind;
 use crate::face::FaceKind;
 use crate::kinds::{Kinds, PerKind};
 use crate::shape;
+use crate::vector::bounds;
 
 pub use crate::matrix::{cofactor, determinant};
 
@@ -197,12 +198,8 @@ impl Mesh {
 
     /// Largest extent along an axis, mm.
     pub fn extent(&self) -> f64 {
-        let along = |d: usize| {
-            let span = |(a, b): (f64, f64), x: &[f64; 3]| (a.min(x[d]), b.max(x[d]));
-            let (low, high) = self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
-            high - low
-        };
-        (0..3).map(along).fold(0.0, f64::max)
+        let longest = |[low, high]: [[f64; 3]; 2]| (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        bounds(self.nodes.iter().copied()).map_or(0.0, longest)
     }
 
     /// Edge of a cube as large as an element is on the average, mm.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::face::FaceKind;
 use crate::mesh::{Facet, Mesh, determinant};
 use crate::shape;
+use crate::vector::{cross, norm};
 
 /// Gauss's rule with three points for integrals along an edge.
 const LINE: [(f64, f64); 3] =
@@ -160,14 +161,6 @@ impl Mesh {
 
 fn all(nodes: &[u32], set: &[bool]) -> bool {
     nodes.iter().all(|&node| set[node as usize])
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

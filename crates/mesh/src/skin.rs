@@ -2,9 +2,7 @@
 
 use crate::mesh::{Facet, Mesh};
 use crate::shape;
-
-/// A vector, or a point.
-pub(crate) type Vec3 = [f64; 3];
+use crate::vector::{angle_between, cross, distance_to_triangle, dot, norm};
 
 /// Where a face lies at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,48 +142,6 @@ impl Skin {
         let faces = self.facets.iter().map(|&facet| distance(facet)).enumerate();
         faces.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
     }
-}
-
-/// Distance of a point from a triangle, mm.
-fn distance_to_triangle(point: Vec3, triangle: [Vec3; 3]) -> f64 {
-    let [a, b, c] = triangle;
-    let normal = cross(minus(b, a), minus(c, a));
-    let size = norm(normal);
-    let to_edge = |from: Vec3, to: Vec3| {
-        let (along, off) = (minus(to, from), minus(point, from));
-        let share = (dot(off, along) / dot(along, along)).clamp(0.0, 1.0);
-        norm(std::array::from_fn(|d| off[d] - share * along[d]))
-    };
-    let is_over = size > 0.0
-        && [[a, b], [b, c], [c, a]]
-            .iter()
-            .all(|[from, to]| dot(cross(minus(*to, *from), minus(point, *from)), normal) >= 0.0);
-    if is_over {
-        return (dot(minus(point, a), normal) / size).abs();
-    }
-    [[a, b], [b, c], [c, a]].into_iter().map(|[from, to]| to_edge(from, to)).fold(f64::INFINITY, f64::min)
-}
-
-/// Angle between two directions, degrees; 180 if one of them is none.
-pub fn angle_between(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let lengths = norm(a) * norm(b);
-    if lengths > 0.0 { (dot(a, b) / lengths).clamp(-1.0, 1.0).acos().to_degrees() } else { 180.0 }
-}
-
-pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
-    (0..3).map(|d| a[d] * b[d]).sum()
-}
-
-pub(crate) fn norm(a: Vec3) -> f64 {
-    dot(a, a).sqrt()
-}
-
-pub(crate) fn minus(a: Vec3, b: Vec3) -> Vec3 {
-    std::array::from_fn(|d| a[d] - b[d])
 }
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use pneuflex_mesh::{Facet, Mesh, Skin, angle_between};
+use pneuflex_mesh::vector::{angle_between, bounds, dot, norm, sub};
+use pneuflex_mesh::{Facet, Mesh, Skin};
 
 use crate::choice::{Choice, Conditions, Direction};
 use crate::number::rounded;
@@ -290,7 +291,7 @@ impl Chooser {
 
     /// Why a choice holds nothing, and what is near.
     fn nothing(&self, choice: &Choice, asked: Asked) -> NotChosen {
-        let body = self.bounds().map_or_else(String::new, |[low, high]| {
+        let body = bounds(self.mesh.nodes.iter().copied()).map_or_else(String::new, |[low, high]| {
             format!("; the body reaches from {} to {} mm", words(low), words(high))
         });
         let why = match choice {
@@ -359,18 +360,6 @@ impl Chooser {
         }
         (!counts.is_empty()).then(|| format!("none is left of them all: {}", counts.join(", ")))
     }
-
-    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        bounds(self.mesh.nodes.iter().copied())
-    }
-}
-
-/// Least and greatest coordinates of some points; `None` of none.
-pub fn bounds(points: impl Iterator<Item = [f64; 3]>) -> Option<[[f64; 3]; 2]> {
-    points.fold(None, |found: Option<[[f64; 3]; 2]>, x| {
-        let [low, high] = found.unwrap_or([x, x]);
-        Some([std::array::from_fn(|d| low[d].min(x[d])), std::array::from_fn(|d| high[d].max(x[d]))])
-    })
 }
 
 fn words(x: [f64; 3]) -> String {
@@ -424,13 +413,9 @@ impl Measure<'_> {
             }
             Place::Plane(plane) => {
                 let Direction(normal) = plane.normal;
-                let length = normal.iter().map(|t| t * t).sum::<f64>().sqrt();
-                ((0..3).map(|d| (x[d] - plane.point[d]) * normal[d]).sum::<f64>() / length).abs()
+                (dot(sub(x, plane.point), normal) / norm(normal)).abs()
             }
-            Place::Sphere(ball) => {
-                let distance = (0..3).map(|d| (x[d] - ball.centre[d]).powi(2)).sum::<f64>().sqrt();
-                (distance - ball.radius).max(0.0)
-            }
+            Place::Sphere(ball) => (norm(sub(x, ball.centre)) - ball.radius).max(0.0),
         }
     }
 

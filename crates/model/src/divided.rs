@@ -1,5 +1,6 @@
 //! A problem on its mesh with every element divided into eight.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use pneuflex_mesh::{AddedNode, Division, Facet, Place, Torn};
@@ -20,6 +21,11 @@ pub enum Undividable {
     /// Forces act on nodes; how they are spread over the nodes between them is not known.
     #[error("forces act on nodes of this mesh, and say nothing of those that a finer one has between them")]
     Forces,
+    /// So many elements have all of their nodes held, by several supports together: whether what lies between these is held, too, is not known.
+    #[error(
+        "several supports together hold all nodes of {0} elements, and say nothing of those that a finer mesh has between them"
+    )]
+    Held(usize),
 }
 
 impl Problem {
@@ -31,6 +37,10 @@ impl Problem {
     pub fn divided(&self) -> Result<(Self, Division), Undividable> {
         if !self.equations.is_empty() {
             return Err(Undividable::Equations);
+        }
+        let held = self.held_between_supports();
+        if held > 0 {
+            return Err(Undividable::Held(held));
         }
         let division = self.mesh.divided()?;
         let facets = |facets: &[Facet]| division.facets(facets);
@@ -74,6 +84,25 @@ impl Problem {
         problem.given = given;
         problem.hold_added();
         Ok((problem, division))
+    }
+
+    /// Number of elements all of whose nodes are held along all axes, though no support holds them all by itself.
+    fn held_between_supports(&self) -> usize {
+        let held = self.held_dofs();
+        let is_held = |node: &u32| held[3 * *node as usize..3 * *node as usize + 3] == [true; 3];
+        let whole: Vec<u32> = (0..self.mesh.num_elements() as u32)
+            .filter(|&element| self.mesh.element(element as usize).iter().all(is_held))
+            .collect();
+        if whole.is_empty() {
+            return 0;
+        }
+        let members = self.supports.iter().filter(|support| support.axes == [true; 3]);
+        let members: Vec<BTreeSet<u32>> = members.map(|support| support.nodes.iter().copied().collect()).collect();
+        let is_of_one = |element: u32| {
+            let nodes = self.mesh.element(element as usize);
+            members.iter().any(|support| nodes.iter().all(|node| support.contains(node)))
+        };
+        whole.into_iter().filter(|&element| !is_of_one(element)).count()
     }
 }
 
@@ -176,6 +205,24 @@ mod tests {
         );
         let volume = |problem: &Problem| problem.mesh.volume_of(problem.regions[0].elements.iter().copied());
         assert!((volume(&fine) - volume(&problem)).abs() < 1e-13);
+    }
+
+    /// One layer between two plates, where nothing tells that what lies between them is free; two layers; a layer that one support holds.
+    #[test]
+    fn what_lies_between_two_supports_is_not_taken_as_held() {
+        let held = |layers: usize, supports: &[[f64; 2]]| {
+            let block = pneuflex_mesh::lattice::Lattice::uniform([0.0; 3], [2.0, 2.0, 1.0], [2, 2, layers]);
+            let mut problem = body(block.mesh_all(ElementKind::Hex8));
+            for &[from, to] in supports {
+                let nodes = problem.mesh.select_nodes(|x| from <= x[2] && x[2] <= to);
+                problem.supports.push(Support { name: "plate".into(), nodes, axes: [true; 3], motion: None });
+            }
+            problem.divided().map(|(fine, _)| fine.held_dofs().iter().filter(|held| !**held).count())
+        };
+        let plates = [[0.0, 0.0], [1.0, 1.0]];
+        assert_eq!(held(1, &plates), Err(Undividable::Held(4)));
+        assert_eq!(held(2, &plates), Ok(3 * 3 * 25));
+        assert_eq!(held(1, &[[0.0, 1.0]]), Ok(0));
     }
 
     #[test]

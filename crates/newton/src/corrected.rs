@@ -14,6 +14,9 @@ use crate::system::System;
 /// Prescribed displacements that differ by less than this share of the body's size are met.
 const MET: f64 = 1e-12;
 
+/// Corrections below this share of the displacements are rounding: where both meshes have the same state, all are.
+const ROUNDING: f64 = 1e-10;
+
 /// Coefficients of the pressure modes of every element at a displacement (mm, one entry per node), MPa: what the mixed linearisation carries
 /// there.
 ///
@@ -40,6 +43,8 @@ pub struct Corrections {
 /// ([`element_pressures`]), which its displacements alone do not have: between the modes of the mesh that it was found on, the nearly
 /// incompressible material would be far from equilibrium (theory §11).
 ///
+/// `None` if the last correction that may be made is still not small: then the state is no equilibrium, nor near one.
+///
 /// # Errors
 /// What keeps a correction from being found.
 pub fn corrected(
@@ -47,7 +52,7 @@ pub fn corrected(
     guess: &ConvergedState,
     pressures: &[f64],
     corrections: Corrections,
-) -> Result<ConvergedState, Cause> {
+) -> Result<Option<ConvergedState>, Cause> {
     let mut system = System::new(problem, Parallelism::Threads)?;
     let supplies = CavityPressures::of(problem)?;
     let mut state = State::new(guess.parameter, guess.displacement.clone(), supplies.unknowns(&guess.cavity_pressures));
@@ -59,7 +64,6 @@ pub fn corrected(
     let wanted = problem.held_displacement(state.parameter);
     let size = problem.mesh.extent();
     let norm = |field: &[[f64; 3]]| field.as_flattened().iter().map(|u| u * u).sum::<f64>().sqrt();
-    let mut found = guess.clone();
     for number in 1..=corrections.most {
         let (assembled, tangent) = system.tangent(&state)?;
         let change: Vec<[f64; 3]> = crate::state::difference(&wanted, &state.displacement);
@@ -70,7 +74,7 @@ pub fn corrected(
         let negative_pivots = tangent.negative_pivots();
         system.recycle(Some(tangent));
         system.apply(&mut state, &correction)?;
-        found = ConvergedState {
+        let found = ConvergedState {
             negative_pivots,
             displacement: state.displacement.clone(),
             reaction: multipliers.as_chunks().0.iter().map(|lambda: &[f64; 3]| lambda.map(|l| -l)).collect(),
@@ -80,9 +84,11 @@ pub fn corrected(
             ..guess.clone()
         };
         let moved = norm(&crate::state::difference(&state.displacement, &guess.displacement));
-        if number >= corrections.least && norm(&correction.displacement) <= corrections.small * moved {
-            break;
+        let last = norm(&correction.displacement);
+        let is_small = last <= corrections.small * moved || last <= ROUNDING * norm(&state.displacement);
+        if number >= corrections.least && is_small {
+            return Ok(Some(found));
         }
     }
-    Ok(found)
+    Ok(None)
 }

@@ -14,6 +14,7 @@ use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
 use crate::accuracy::{Expected, expected};
 use crate::body_file::{is_deck, read_body};
+use crate::cad::is_part;
 use crate::caution::cautions;
 use crate::derived;
 use crate::diagnosis::{Subject, Warning, warnings};
@@ -141,7 +142,9 @@ impl Analysis {
             (Some(source), _) => {
                 let body = store.beside(path, &source.file);
                 let read = read_body(store, &body, source, model.mesh.element)?;
-                let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))?;
+                let help = if is_part(&body) { "choose a larger model.size" } else { "mesh it with larger elements" };
+                let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))
+                    .map_err(|error| error.with_help(Some(help.to_owned())))?;
                 notes.extend(read.notes);
                 if title.is_empty() {
                     title = read.title;
@@ -234,6 +237,7 @@ impl Analysis {
             let help = match why {
                 Undividable::Torn(_) => "merge the nodes of neighbouring elements",
                 Undividable::Equations => "mesh the body finer where it comes from, and compare the results",
+                Undividable::Held(_) => "mesh it with two elements or more between them",
                 Undividable::Forces => {
                     "let a [[traction]], [[pressure]] or [[force]] of a model file around the deck act on a surface"
                 }

@@ -176,6 +176,8 @@ impl Sequence<'_> {
         let Self { analysis, levels, second } = self;
         let (mut solved, mut failure): (Vec<Level>, _) = (Vec::new(), None);
         let (mut present, mut next) = (analysis.clone(), Some(second));
+        // The sequence itself says how exact its meshes are.
+        present.output.error_estimate = false;
         for number in 1..=levels {
             let divisions = match &analysis.description {
                 Description::Actuator(_) => number,
@@ -183,7 +185,7 @@ impl Sequence<'_> {
             };
             if number > 1 {
                 present = match next.take() {
-                    Some(second) => second,
+                    Some(second) => Analysis { output: present.output.clone(), ..second },
                     None => analysis.finer(&present, number)?,
                 };
             }

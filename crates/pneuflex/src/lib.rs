@@ -112,6 +112,7 @@
 //! | [`accuracy`] | how exact the results on a mesh are |
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
+//! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`] | result folders |
 //! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
 //! | [`document`] | case and model files as texts with places |
@@ -124,6 +125,7 @@ mod body_file;
 pub mod cad;
 mod caution;
 pub mod checkpoint_file;
+pub mod columns;
 pub mod convergence;
 #[cfg(test)]
 mod deaths;
@@ -134,6 +136,7 @@ pub mod document;
 pub mod error;
 pub mod error_estimate;
 mod files;
+pub mod find;
 pub mod folder;
 mod foreign;
 mod held_in_obstacle;
@@ -146,6 +149,7 @@ pub mod neighbour;
 pub mod observer;
 mod on_the_way;
 pub mod overview;
+mod pairs;
 pub mod quantities;
 pub mod reason;
 mod recorded_mesh;
@@ -183,6 +187,7 @@ pub use memory::{Estimate, MemoryLimit};
 pub use neighbour::Neighbour;
 pub use observer::{End, Event, Observer, ReachedState, StopToken};
 pub use overview::Overview;
+pub use pairs::Pairs;
 pub use run::Run;
 pub use solution::{Solution, Status};
 pub use start::Start;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use pneuflex_mesh::Facet;
-use pneuflex_model::chosen::bounds;
+use pneuflex_mesh::vector::bounds;
 use pneuflex_model::load::Load;
 use pneuflex_model::{Case, Chooser, ContactMethod, Control, Curve, Material, Obstacle, Problem, Shape, SymmetryPlane};
 use pneuflex_post::stress::stability_limits;
@@ -12,7 +12,7 @@ use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::{Analysis, Description};
 use crate::caution::{POOR_SHAPE, centre, worst_element};
-use crate::words::{plain, plain_list, plural, size, thousands};
+use crate::words::{measured, place, plain, plain_list, plural, size, thousands};
 
 /// What would be solved, as data and as a text.
 #[derive(Clone, Debug, PartialEq)]
@@ -341,13 +341,10 @@ fn rows_of_choices(analysis: &Analysis, row: &mut dyn FnMut(&'static str, String
     for (name, hollow) in &analysis.hollows {
         let mouth = hollow.mouth.map_or_else(
             || "closed".to_owned(),
-            |mouth| {
-                let [x, y, z] = mouth.centre.map(short);
-                format!("open near ({x}, {y}, {z}) by {} mm2", short(mouth.area))
-            },
+            |mouth| format!("open near {} by {} mm2", place(mouth.centre), measured(mouth.area)),
         );
-        let (faces, walls) = (plural(hollow.facets.len(), "face"), short(area(&hollow.facets)));
-        row("hollow", format!("{name}: {faces}, {walls} mm2, {} mm3, {mouth}", short(hollow.volume)));
+        let (faces, walls) = (plural(hollow.facets.len(), "face"), measured(area(&hollow.facets)));
+        row("hollow", format!("{name}: {faces}, {walls} mm2, {} mm3, {mouth}", measured(hollow.volume)));
     }
     let Some(model) = analysis.description.model() else { return };
     let chooser = Chooser::new(Arc::clone(&analysis.problem.mesh));
@@ -358,30 +355,19 @@ fn rows_of_choices(analysis: &Analysis, row: &mut dyn FnMut(&'static str, String
         let mut said: Vec<String> =
             counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| plural(count, what)).collect();
         if !held.facets.is_empty() {
-            said.push(format!("{} mm2", short(area(&held.facets))));
+            said.push(format!("{} mm2", measured(area(&held.facets))));
         }
         if !held.elements.is_empty() {
-            said.push(format!("{} mm3", short(mesh.volume_of(held.elements.iter().copied()))));
+            said.push(format!("{} mm3", measured(mesh.volume_of(held.elements.iter().copied()))));
         }
         let of_elements = held.elements.iter().flat_map(|&element| mesh.element(element as usize));
         let nodes = held.nodes.iter().chain(of_elements).map(|&node| mesh.nodes[node as usize]);
         if let Some([low, high]) = bounds(nodes) {
-            let range = |d: usize| format!("{} {} to {}", ["x", "y", "z"][d], short(low[d]), short(high[d]));
+            let range = |d: usize| format!("{} {} to {}", ["x", "y", "z"][d], measured(low[d]), measured(high[d]));
             said.push([0, 1, 2].map(range).join(", "));
         }
         row("choice", format!("{key} {choice}: {}", said.join(", ")));
     }
-}
-
-/// A length, an area or a volume to five digits.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let digits = (4.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.digits$}");
-    let text = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".into() } else { text.to_owned() }
 }
 
 /// The shape of the worst element.

@@ -1,5 +1,6 @@
 //! The numbers of a state by which meshes are compared.
 
+use pneuflex_mesh::vector::norm;
 use pneuflex_model::Problem;
 use pneuflex_post::summary::StepSummary;
 use pneuflex_post::{PostError, measures};
@@ -51,32 +52,28 @@ impl Rest {
         if let Some(angle) = state.end_face_angle_deg {
             add("end_face_angle_deg", "end face angle, deg", 3, angle);
         }
-        if let (Some([x0, z0]), Some([x1, z1]), Some([x, z])) =
-            (state.centreline.first(), state.centreline.last(), self.tip)
+        if let (Some(angle), Some([x, z]), Some([x0, z0])) =
+            (state.chord_angle_deg(), state.centreline.last(), self.tip)
         {
-            add("chord_angle_deg", "chord angle, deg", 3, (z0 - z1).atan2(x1 - x0).to_degrees());
-            add("tip_displacement_mm", "tip displacement, mm", 4, (x1 - x).hypot(z1 - z));
+            add("chord_angle_deg", "chord angle, deg", 3, angle);
+            add("tip_displacement_mm", "tip displacement, mm", 4, (x - x0).hypot(z - z0));
         }
         for (name, displacement) in &state.probes {
-            add(&format!("probe_{name}_mm"), &format!("displacement of {name}, mm"), 4, length(displacement));
+            add(&format!("probe_{name}_mm"), &format!("displacement of {name}, mm"), 4, norm(*displacement));
         }
         if self.volume != 0.0 {
             add("cavity_growth_mm3", "growth of cavities, mm3", 2, state.cavity_volume_mm3 - self.volume);
         }
         for (name, force) in &state.reactions {
-            add(&format!("reaction_{name}_n"), &format!("force of {name}, N"), 4, length(force));
+            add(&format!("reaction_{name}_n"), &format!("force of {name}, N"), 4, norm(*force));
         }
         for (name, obstacle) in &state.obstacles {
-            add(&format!("force_on_{name}_n"), &format!("force on {name}, N"), 4, length(&obstacle.force_n));
+            add(&format!("force_on_{name}_n"), &format!("force on {name}, N"), 4, norm(obstacle.force_n));
         }
         add("strain_energy_mj", "strain energy, mJ", 4, state.strain_energy_mj);
         add("von_mises_p99_mpa", "p99 von Mises, MPa", 5, state.von_mises_p99_mpa);
         found
     }
-}
-
-fn length(vector: &[f64; 3]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Quantities as entries of the object that they belong to.

@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pneuflex_mesh::{Facet, Hollow, Mesh, angle_between};
-use pneuflex_model::chosen::bounds;
+use pneuflex_mesh::vector::{angle_between, bounds};
+use pneuflex_mesh::{Facet, Hollow, Mesh};
 use pneuflex_model::model_file::Source;
 
 use crate::body_file::{is_deck, read_body};
 use crate::error::Error;
 use crate::input_error::InputError;
 use crate::store::Store;
-use crate::words::plain;
+use crate::words::{measured, place, plain};
 
 /// Bodies of soft robots are as long as this, mm; others may be in another unit.
 const USUAL: [f64; 2] = [4.0, 2000.0];
@@ -49,7 +49,7 @@ pub fn start_model(path: &Path, named: &str) -> Result<StartModel, Error> {
         notes.push(format!(
             "{}: the body is {} long, which is little or much for mm: it is taken as {unit} (model.scale = {factor}); change that if it is wrong",
             path.display(),
-            short(long)
+            measured(long)
         ));
     }
     let factor = scale.map_or(1.0, |(factor, _)| factor);
@@ -87,7 +87,7 @@ struct Start<'a> {
 impl Start<'_> {
     fn text(&self) -> String {
         let [low, high] = bounds(self.mesh.nodes.iter().copied()).unwrap_or_default();
-        let [length, width, height] = [0, 1, 2].map(|d| short(high[d] - low[d]));
+        let [length, width, height] = [0, 1, 2].map(|d| measured(high[d] - low[d]));
         let mut text = format!(
             "# A model file around {}, for pneuflex: {length} mm x {width} mm x {height} mm.\n#   pneuflex check THIS.toml    what would be \
              solved\n#   pneuflex run THIS.toml      solve it\n# Lengths in mm, moduli in MPa, pressures \
@@ -140,7 +140,7 @@ impl Start<'_> {
                 format!(
                     "{head}the largest flat end, {} mm2\nnodes = {{ plane = {{ point = [{x}, {y}, {z}], normal = \"{sign}{name}\" }}, normal = \
                      \"{sign}{name}\", tolerance = {} }}\naxes = \"xyz\"\n",
-                    short(area),
+                    measured(area),
                     plain(1e-5 * self.mesh.extent())
                 )
             }
@@ -201,16 +201,13 @@ impl Start<'_> {
             let cubic = self.factor.powi(3);
             let mouth = hollow.mouth.map_or_else(
                 || ", closed".to_owned(),
-                |mouth| {
-                    let [x, y, z] = mouth.centre.map(|t| plain((1e3 * self.factor * t).round() / 1e3));
-                    format!(", which opens near ({x}, {y}, {z})")
-                },
+                |mouth| format!(", which opens near {}", place(mouth.centre.map(|t| self.factor * t))),
             );
             let _ = write!(
                 text,
                 "\n[[cavity]]                # {} mm3{mouth}\nname = \"chamber {number}\"\nfaces = \"cavity_{number}\"\npressure_kpa = 4          # \
                  reached at the last time\n",
-                short(cubic * hollow.volume)
+                measured(cubic * hollow.volume)
             );
         }
         text
@@ -229,13 +226,4 @@ impl Start<'_> {
             .map(|t| plain((1e6 * t).round() / 1e6));
         format!("\n[[probe]]                 # a point to follow\nname = \"tip\"\nat = [{x}, {y}, {z}]\n")
     }
-}
-
-/// To four digits.
-fn short(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return "0".into();
-    }
-    let unit = 10f64.powf(3.0 - x.abs().log10().floor());
-    plain((unit * x).round() / unit)
 }

@@ -90,7 +90,7 @@ impl Vocabulary {
             }
             Remedy::ResidualTolerance => "raise solver.residual_tolerance above what rounding leaves".into(),
             Remedy::Equations => "mend what the message names".into(),
-            Remedy::ErrorBars if self == Self::CaseFile => "let `pneuflex converge` give error bars".into(),
+            Remedy::ErrorBars if matches!(self, Self::CaseFile | Self::ActuatorModel) => "let `pneuflex converge` give error bars".into(),
             Remedy::BetterShapes if is_actuator => {
                 "take hexahedra (mesh.element = \"hex27\"), or a smaller mesh.edge_size".into()
             }

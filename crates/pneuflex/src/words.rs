@@ -18,6 +18,26 @@ pub fn plain(x: f64) -> String {
     format!("{x:.9e}").parse().unwrap_or(x).to_string()
 }
 
+/// A number to so many digits.
+pub fn rounded(x: f64, digits: i32) -> f64 {
+    let places = (digits - 1).max(0) as usize;
+    format!("{x:.places$e}").parse().unwrap_or(x)
+}
+
+/// A length, an area or a volume as it was measured, to five digits.
+pub fn measured(x: f64) -> String {
+    plain(rounded(x, 5))
+}
+
+/// A point as it was measured: its coordinates to five digits of the largest one.
+pub fn place(x: [f64; 3]) -> String {
+    let largest = x.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+    let unit = if largest > 0.0 { 10f64.powf(4.0 - largest.log10().floor()) } else { 1.0 };
+    // Zero has no sign.
+    let [x, y, z] = x.map(|t| plain((t * unit).round() / unit + 0.0));
+    format!("({x}, {y}, {z})")
+}
+
 /// Numbers as people write them, in brackets.
 pub fn plain_list(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|x| plain(*x)).collect::<Vec<_>>().join(", "))

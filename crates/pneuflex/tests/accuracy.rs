@@ -37,8 +37,9 @@ fn a_wrong_sign_is_warned_of_in_a_case_and_in_a_model() {
     let [of_case, of_model] = [&case, &model].map(|solution| &solution.warnings[1]);
     assert!(of_case.message.contains("at 5.7082 kPa it bends little"), "{of_case}");
     assert!(of_model.message.contains("at time 1 it bends little"), "{of_model}");
-    // Only a case file can be given to it.
-    assert!(of_case.advice.contains("pneuflex converge") && !of_model.advice.contains("converge"), "{of_model}");
+    for warning in [of_case, of_model] {
+        assert!(warning.advice.contains("pneuflex converge"), "{warning}");
+    }
 }
 
 #[test]

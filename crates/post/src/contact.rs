@@ -12,7 +12,7 @@ pub use pneuflex_contact::{HeldInside, deepest_held};
 use crate::error::{PostError, check};
 use crate::search::Surface;
 use crate::surface::Patch;
-use crate::vector::{cross, norm, sub};
+use pneuflex_mesh::vector::{cross, norm, sub};
 
 /// The contact of one state, from the points of the chosen method (theory §5).
 #[derive(Clone, Debug, PartialEq)]

@@ -28,7 +28,6 @@ pub mod surface;
 pub mod surface_stress;
 #[cfg(test)]
 mod testing;
-pub mod vector;
 pub mod vtu;
 
 pub use error::{PostError, check};

@@ -8,7 +8,7 @@ use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
 use crate::surface::Patch;
-use crate::vector::norm;
+use pneuflex_mesh::vector::norm;
 
 /// The bottom centreline in the deformed state: \[x, z\] in mm, ordered by the reference x from the clamp to the tip.
 ///

@@ -10,7 +10,7 @@ use pneuflex_model::{ContactPair, Problem};
 use crate::error::{PostError, check};
 use crate::search::{Closest, Surface};
 use crate::surface::{Patch, cell_centre};
-use crate::vector::{norm, sub};
+use pneuflex_mesh::vector::{norm, sub};
 
 /// Samples along each direction of a facet.
 pub const SAMPLES: usize = 12;

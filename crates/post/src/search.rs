@@ -6,7 +6,7 @@ use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::Problem;
 
 use crate::surface::{Bounds, Patch, Projection, edge_distances};
-use crate::vector::Vec3;
+use pneuflex_mesh::vector::Vec3;
 
 /// A deformed surface that can be asked for its closest point.
 pub struct Surface {

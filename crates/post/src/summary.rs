@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{PostError, check};
 use crate::surface_stress::SurfaceState;
-use crate::vector::{cross, sub};
 use crate::{contact, fields, measures, penetration, stress, vtu};
+use pneuflex_mesh::vector::{cross, sub};
 
 /// An equilibrium to be described.
 #[derive(Clone, Copy, Debug)]
@@ -144,6 +144,12 @@ impl StepSummary {
     /// Its position on the load path: the time of a model with a schedule, the pressure in kPa of an actuator.
     pub fn when(&self) -> LoadParameter {
         LoadParameter(self.time.unwrap_or(self.pressure_kpa))
+    }
+
+    /// Angle of the chord from the clamp to the tip, degrees, positive downwards; `None` for a body without a centreline.
+    pub fn chord_angle_deg(&self) -> Option<f64> {
+        let [[x0, z0], .., [x1, z1]] = self.centreline[..] else { return None };
+        Some((z0 - z1).atan2(x1 - x0).to_degrees())
     }
 }
 

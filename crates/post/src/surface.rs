@@ -2,7 +2,7 @@
 
 use pneuflex_mesh::{FaceKind, Facet, Mesh, Outline, shape};
 
-use crate::vector::{Vec3, cross, dot, norm, sub};
+use pneuflex_mesh::vector::{Vec3, cross, dot, norm, sub};
 
 /// A face in its deformed (or reference) position.
 #[derive(Clone, Debug)]

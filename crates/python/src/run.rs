@@ -284,6 +284,12 @@ impl Outcome {
         written(py, &self.found.warnings)
     }
 
+    /// Estimated errors of the last state, as JSON; null if they were not asked for.
+    #[getter]
+    fn error_estimate(&self, py: Python<'_>) -> PyResult<String> {
+        written(py, &self.found.error_estimate)
+    }
+
     /// Whether guesses were taken from a neighbour's path.
     #[getter]
     fn has_started_from(&self) -> bool {
@@ -341,7 +347,7 @@ impl Outcome {
                     failure: failure.map(|(failure, _)| failure),
                     reason: failure.and_then(|(_, reason)| reason.as_ref()),
                     last: self.last.as_ref().map(|kept| &kept.equilibrium),
-                    estimate: None,
+                    estimate: self.found.error_estimate.as_ref(),
                     error: None,
                 };
                 self.analysis.record(&folder, &states, step, &end).map(drop)

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use pneuflex::columns::{Tip, columns};
 use pneuflex::post::summary::StepSummary;
 use pneuflex::{Error, ResultsError};
 use pneuflex_sweep::folder::plan_of;
-use pneuflex_sweep::numbers::Tip;
 use pneuflex_sweep::{Row, identity, neighbours, space, table};
 use pyo3::prelude::*;
 
@@ -44,7 +44,7 @@ pub fn numbers(py: Python<'_>, summary: &str, length: Option<f64>, tip_at: Optio
     let wrong = |error: serde_json::Error| Error::from(ResultsError::not_representable("summary", error));
     apart(py, || {
         let state: StepSummary = serde_json::from_str(summary).map_err(wrong)?;
-        let numbers = pneuflex_sweep::numbers::numbers(&state, &Tip { length, probe_at: tip_at });
+        let numbers = columns(&state, &Tip { length, probe_at: tip_at });
         serde_json::to_string(&numbers).map_err(wrong)
     })
 }

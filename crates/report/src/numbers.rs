@@ -18,6 +18,11 @@ pub fn number(x: f64) -> String {
     minus(format!("{x:.6e}").parse::<f64>().unwrap_or(x).to_string())
 }
 
+/// A difference, to three digits.
+pub fn difference(x: f64) -> String {
+    number(format!("{x:.2e}").parse().unwrap_or(x))
+}
+
 /// A number with so many decimals.
 pub fn fixed(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
@@ -40,6 +45,7 @@ mod tests {
             ("7".into(), "41,901".into(), "1,234,567".into())
         );
         assert_eq!((number(0.603932828436), number(1234567.0)), ("0.6039328".into(), "1234567".into()));
+        assert_eq!((difference(-0.0099819), difference(12345.0)), ("−0.00998".into(), "12300".into()));
         assert_eq!((fixed(-0.0001, 3), fixed(-1.5, 2), number(-5.0)), ("0.000".into(), "−1.50".into(), "−5".into()));
     }
 }

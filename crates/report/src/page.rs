@@ -252,7 +252,7 @@ mod tests {
             let errors = json!({"tip_displacement_mm": {"value": 0.25, "error": -0.0125, "percent": -4.76}});
             summary["error_estimate"] = json!({"pressure_kpa": 5.0, "unknowns": 12345, "errors": errors});
         });
-        for part in ["How exact it is at 5 kPa", "tip_displacement_mm", ">0.25<", ">−0.0125<", ">-4.8<", "12,345"] {
+        for part in ["How exact it is at 5 kPa", "tip_displacement_mm", ">0.25<", ">−0.0125<", ">−4.8<", "12,345"] {
             assert!(html.contains(part), "{part}");
         }
         let why = |summary: &mut serde_json::Value| summary["error_estimate"] = json!({"why_not": "<b>so</b>"});

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::numbers::{number, thousands};
+use crate::numbers::{difference, fixed, number, thousands};
 use crate::report::Report;
 use crate::summary::{Summary, Warning};
 
@@ -65,7 +65,7 @@ pub fn exactness(report: &Report<'_>) -> Markup {
                                     th scope="col" { "quantity" }
                                     th scope="col" { "value" }
                                     th scope="col" { "estimated error" }
-                                    th scope="col" { "of that" span .unit { "%" } }
+                                    th scope="col" { "relative" span .unit { "%" } }
                                 }
                             }
                             tbody {
@@ -73,8 +73,8 @@ pub fn exactness(report: &Report<'_>) -> Markup {
                                     tr {
                                         th scope="row" { code { (key) } }
                                         td { (number(error.value)) }
-                                        td { (number(error.error)) }
-                                        td { (error.percent.map_or_else(|| "–".to_owned(), |percent| format!("{percent:+.1}"))) }
+                                        td { (difference(error.error)) }
+                                        td { (error.percent.map_or_else(|| "–".to_owned(), |percent| fixed(percent, 1))) }
                                     }
                                 }
                             }

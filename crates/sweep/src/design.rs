@@ -4,6 +4,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use pneuflex::columns::{Tip, columns};
+use pneuflex::error_estimate::ErrorEstimate;
 use pneuflex::report_page::write_report;
 use pneuflex::{Analysis, Error, Neighbour, OutputFolder, Solution, Start, Study};
 use serde::{Deserialize, Serialize};
@@ -11,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use crate::base::{Base, Design};
 use crate::identity;
 use crate::neighbours;
-use crate::numbers::{Tip, numbers};
 use crate::row::Row;
 
 /// What all designs of a sweep are solved from and with.
@@ -129,7 +130,11 @@ fn solved_from(job: &Job, task: &Task, analysis: &Analysis, neighbour: Option<Ne
 /// What was found.
 fn found(row: &mut Row, task: &Task, solution: &Solution, tip: &Tip) {
     row.started_from = task.starts_from.clone().filter(|_| solution.has_started_from);
-    row.states = solution.states.iter().map(|state| numbers(state, tip)).collect();
+    row.states = solution.states.iter().map(|state| columns(state, tip)).collect();
+    let estimate = solution.error_estimate.as_ref().and_then(ErrorEstimate::found);
+    if let (Some(last), Some(estimate)) = (row.states.last_mut(), estimate) {
+        estimate.errors.iter().for_each(|error| last.push(format!("error.{}", error.quantity.key), error.error));
+    }
     let name = |kind| serde_json::to_value(kind).ok().and_then(|kind| kind.as_str().map(str::to_owned));
     row.warnings = solution.warnings.iter().filter_map(|warning| name(warning.kind)).collect();
 }

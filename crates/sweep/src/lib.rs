@@ -15,7 +15,7 @@
 //! |---|---|
 //! | [`sweep_file`], [`space`] | which designs: the file that says so, grids, lists, samples |
 //! | [`base`], [`identity`], [`plan`] | a design as something to be solved, its name, all of them |
-//! | [`design`], [`numbers`], [`row`] | solving one, the numbers of its states, what became of it |
+//! | [`design`], [`row`] | solving one, what became of it |
 //! | [`neighbours`] | which designs start from similar ones |
 //! | [`folder`], [`table`] | the folder of a sweep and its table |
 //! | [`workers`] | processes that solve designs |
@@ -27,8 +27,6 @@ pub mod folder;
 pub mod identity;
 pub mod job_script;
 pub mod neighbours;
-pub mod numbers;
-mod pairs;
 pub mod plan;
 pub mod row;
 pub mod space;
@@ -38,7 +36,6 @@ pub mod workers;
 
 pub use base::Base;
 pub use folder::Folder;
-pub use pairs::Pairs;
 pub use plan::Plan;
 pub use row::Row;
 pub use sweep_file::SweepFile;

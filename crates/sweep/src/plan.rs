@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex::{Error, InputError, InputErrorKind, MemoryLimit, Study};
+use pneuflex::{Error, InputError, InputErrorKind, MemoryLimit, Pairs, Study};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::base::{Base, Design};
 use crate::identity;
-use crate::pairs::Pairs;
 
 /// What `sweep.json` says.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -4,9 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use pneuflex::Pairs;
 use serde::{Deserialize, Serialize};
-
-use crate::pairs::Pairs;
 
 /// What became of a design.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -128,4 +128,13 @@ fn a_mesh_without_groups_runs_with_what_is_found_in_it() {
     let pumped =
         scratch.run(&["check", "block.toml", "--set", "cavity=[{name=\"air\",faces=\"cavity_1\",volume_mm3=1}]"]);
     assert!(pumped.code == 2 && pumped.err.contains("its walls must be closed"), "{pumped:?}");
+    // What touches a plane is all but the hollow and, where the body is cut at a plane of symmetry, that.
+    for (symmetry, faces) in [("false", "77 faces, 77 mm2"), ("true", "68 faces, 68 mm2")] {
+        let cut = format!(
+            "support=[{{nodes={{plane={{point=[5,0,0],normal=\"x\"}}}},axes=\"x\",symmetry={symmetry}}},{{nodes={{normal=\"-x\"}},axes=\"yz\"}}]"
+        );
+        let plane = "obstacle=[{name=\"floor\",shape=\"plane\",point=[0,0,-1],normal=[0,0,1],faces={and=[\"outer\",{box=[[-1,-1,-1],[9,9,9]]}]}}]";
+        let checked = scratch.run(&["check", "block.toml", "--set", &cut, "--set", plane]);
+        assert!(checked.code == 0 && checked.out.contains(faces), "{symmetry}: {checked:?}");
+    }
 }

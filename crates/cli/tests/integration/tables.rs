@@ -126,7 +126,7 @@ fn a_pressure_and_a_length_are_found_for_an_angle() {
     assert_eq!((never.code, never.out.as_str()), (3, ""));
     assert!(never.err.contains("end_face_angle_deg = -80 is never reached: it goes from "), "{}", never.err);
     for (arguments, words) in [
-        (&["--force", "1"][..], "--force: there is no obstacle whose force is reported"),
+        (&["--force", "1"][..], "force: there is no obstacle whose force is reported"),
         (&["--column", "angle=3"], "angle: this body has no such result"),
         (&["--column", "angle"], "--column angle: expected NAME=VALUE"),
         (&["--angle", "inf"], "no finite number"),

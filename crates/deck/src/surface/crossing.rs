@@ -1,6 +1,8 @@
 //! Triangles of a surface that pass through each other.
 
-use super::{Surface, Vec3, cross, dot, minus, norm};
+use pneuflex_mesh::vector::{Vec3, bounds, cross, dot, longest_axis, norm, sub};
+
+use super::Surface;
 
 /// How far beyond a triangle's side something must be, relative to its size, to be beyond.
 const SMALL: f64 = 1e-9;
@@ -8,13 +10,8 @@ const SMALL: f64 = 1e-9;
 impl Surface {
     /// Points, `most` of them, at which an edge of a triangle passes through another one that has no corner in common with it.
     pub fn crossings(&self, most: usize) -> Vec<[f64; 3]> {
-        let boxes: Vec<[Vec3; 2]> = (0..self.triangles.len())
-            .map(|triangle| {
-                let [a, b, c] = self.corners(triangle);
-                [std::array::from_fn(|d| a[d].min(b[d]).min(c[d])), std::array::from_fn(|d| a[d].max(b[d]).max(c[d]))]
-            })
-            .collect();
-        let axis = self.longest_axis();
+        let boxes = self.boxes();
+        let axis = bounds(self.points.iter().copied()).map_or(0, longest_axis);
         let mut order: Vec<usize> = (0..boxes.len()).collect();
         order.sort_by(|&a, &b| boxes[a][0][axis].total_cmp(&boxes[b][0][axis]).then(a.cmp(&b)));
         let mut found = Vec::new();
@@ -40,14 +37,6 @@ impl Surface {
     fn share_nothing(&self, one: usize, other: usize) -> bool {
         self.triangles[one].iter().all(|point| !self.triangles[other].contains(point))
     }
-
-    fn longest_axis(&self) -> usize {
-        let span = |d: usize| {
-            let along = self.points.iter().map(|x| x[d]);
-            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-        };
-        (1..3).fold(0, |best, d| if span(d) > span(best) { d } else { best })
-    }
 }
 
 /// Where an edge of one triangle passes through the inside of the other.
@@ -58,9 +47,9 @@ fn crossing(one: [Vec3; 3], other: [Vec3; 3]) -> Option<Vec3> {
 }
 
 fn passes([from, to]: [Vec3; 2], [a, b, c]: [Vec3; 3]) -> Option<Vec3> {
-    let normal = cross(minus(b, a), minus(c, a));
+    let normal = cross(sub(b, a), sub(c, a));
     let size = norm(normal);
-    let height = |x: Vec3| dot(minus(x, a), normal);
+    let height = |x: Vec3| dot(sub(x, a), normal);
     let least = SMALL * size * size.sqrt();
     let (below, above) = (height(from), height(to));
     if below * above >= 0.0 || below.abs() <= least || above.abs() <= least {
@@ -70,6 +59,6 @@ fn passes([from, to]: [Vec3; 2], [a, b, c]: [Vec3; 3]) -> Option<Vec3> {
     let x: Vec3 = std::array::from_fn(|d| from[d] + share * (to[d] - from[d]));
     let is_within = [[a, b], [b, c], [c, a]]
         .iter()
-        .all(|[start, end]| dot(cross(minus(*end, *start), minus(x, *start)), normal) > SMALL * size * size);
+        .all(|[start, end]| dot(cross(sub(*end, *start), sub(x, *start)), normal) > SMALL * size * size);
     is_within.then_some(x)
 }

@@ -10,6 +10,8 @@ mod read;
 mod shells;
 mod wall;
 
+use pneuflex_mesh::vector::{Vec3, bounds, cross, norm, sub};
+
 pub use read::read;
 pub use shells::Bounded;
 pub use wall::Wall;
@@ -31,11 +33,12 @@ impl Surface {
 
     /// Length of the diagonal of the box around it.
     pub fn diagonal(&self) -> f64 {
-        let span = |d: usize| {
-            let along = self.points.iter().map(|x| x[d]);
-            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-        };
-        if self.points.is_empty() { 0.0 } else { norm([0, 1, 2].map(span)) }
+        bounds(self.points.iter().copied()).map_or(0.0, |[low, high]| norm(sub(high, low)))
+    }
+
+    /// The boxes around its triangles.
+    fn boxes(&self) -> Vec<[Vec3; 2]> {
+        (0..self.triangles.len()).map(|triangle| bounds(self.corners(triangle)).unwrap_or_default()).collect()
     }
 
     /// The surface as a binary `.stl`, whose numbers have seven digits.
@@ -53,48 +56,15 @@ impl Surface {
     }
 }
 
-type Vec3 = [f64; 3];
-
-fn minus(a: Vec3, b: Vec3) -> Vec3 {
-    std::array::from_fn(|d| a[d] - b[d])
-}
-
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: Vec3, b: Vec3) -> f64 {
-    (0..3).map(|d| a[d] * b[d]).sum()
-}
-
-fn norm(a: Vec3) -> f64 {
-    dot(a, a).sqrt()
-}
-
 fn centre([a, b, c]: [Vec3; 3]) -> Vec3 {
     std::array::from_fn(|d| (a[d] + b[d] + c[d]) / 3.0)
 }
 
 /// 0 for a triangle without area.
 fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
-    let normal = cross(minus(b, a), minus(c, a));
+    let normal = cross(sub(b, a), sub(c, a));
     let size = norm(normal);
     if size > 0.0 { normal.map(|t| t / size) } else { [0.0; 3] }
-}
-
-/// How far along a direction a ray meets a triangle, in the direction's lengths; `None` if it passes by or is parallel to it.
-fn ray_meets(from: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> Option<f64> {
-    let (u, v) = (minus(b, a), minus(c, a));
-    let p = cross(direction, v);
-    let determinant = dot(u, p);
-    if determinant.abs() <= 1e-12 * norm(u) * norm(v) * norm(direction) {
-        return None;
-    }
-    let t = minus(from, a);
-    let first = dot(t, p) / determinant;
-    let q = cross(t, u);
-    let second = dot(direction, q) / determinant;
-    (first >= 0.0 && second >= 0.0 && first + second <= 1.0).then(|| dot(v, q) / determinant)
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Surface, Vec3, centre, cross, dot, ray_meets};
+use pneuflex_mesh::vector::{Vec3, cross, dot, ray_meets};
+
+use super::{Surface, centre};
 
 /// So many faults of a surface are named.
 const MOST: usize = 5;

@@ -1,6 +1,8 @@
 //! How thin the walls of a body are.
 
-use super::{Surface, Vec3, centre, dot, norm, ray_meets, unit_normal};
+use pneuflex_mesh::vector::{Vec3, bounds, dot, norm, ray_meets};
+
+use super::{Surface, centre, unit_normal};
 
 /// Walls are measured behind so many triangles at the most, evenly among all.
 const MOST: usize = 3000;
@@ -24,7 +26,7 @@ impl Surface {
         let normals: Vec<Vec3> =
             (0..self.triangles.len()).map(|triangle| unit_normal(self.corners(triangle))).collect();
         let smallest = 1e-7 * self.diagonal();
-        let boxes: Vec<[Vec3; 2]> = (0..self.triangles.len()).map(|triangle| bounds(&self.corners(triangle))).collect();
+        let boxes = self.boxes();
         let step = self.triangles.len().div_ceil(MOST).max(1);
         let mut thinnest: Option<Wall> = None;
         for triangle in (0..self.triangles.len()).step_by(step) {
@@ -35,7 +37,7 @@ impl Surface {
             let (from, inward) = (centre(self.corners(triangle)), normal.map(|t| -t));
             // Nothing beyond the thinnest wall so far is of interest.
             let reach = thinnest.map_or(self.diagonal(), |wall| wall.thickness);
-            let [low, high] = bounds(&[from, std::array::from_fn(|d| from[d] + reach * inward[d])]);
+            let [low, high] = bounds([from, std::array::from_fn(|d| from[d] + reach * inward[d])]).unwrap_or_default();
             let is_near = |[from, to]: &[Vec3; 2]| (0..3).all(|d| from[d] <= high[d] && low[d] <= to[d]);
             let near = (0..boxes.len()).filter(|&other| other != triangle && is_near(&boxes[other]));
             let met = near.filter_map(|other| {
@@ -50,13 +52,4 @@ impl Surface {
         }
         thinnest
     }
-}
-
-/// Least and greatest coordinates.
-fn bounds(points: &[Vec3]) -> [Vec3; 2] {
-    let along = |d: usize| points.iter().map(move |x| x[d]);
-    [
-        std::array::from_fn(|d| along(d).fold(f64::INFINITY, f64::min)),
-        std::array::from_fn(|d| along(d).fold(f64::NEG_INFINITY, f64::max)),
-    ]
 }

@@ -7,6 +7,7 @@ use pneuflex_mesh::{Facet, Hollow};
 
 use super::tables::Model;
 use crate::choice::Choice;
+use crate::chosen::{Asked, Chooser};
 use crate::number::rounded;
 use crate::problem::Problem;
 use crate::range_check::CaseError;
@@ -58,7 +59,8 @@ impl Model {
         if hollows.is_empty() && !is_asked {
             return Ok(Vec::new());
         }
-        let inner: BTreeSet<Facet> = hollows.iter().flat_map(|hollow| hollow.facets.iter().copied()).collect();
+        let mut inner: BTreeSet<Facet> = hollows.iter().flat_map(|hollow| hollow.facets.iter().copied()).collect();
+        inner.extend(self.cut_faces(body));
         let named: Hollows =
             hollows.into_iter().enumerate().map(|(i, hollow)| (format!("{CAVITY}{}", i + 1), hollow)).collect();
         let mesh = Arc::make_mut(&mut body.mesh);
@@ -73,6 +75,15 @@ impl Model {
             mesh.facet_sets.insert(name.clone(), hollow.facets.clone());
         }
         Ok(named)
+    }
+
+    /// Faces in which a body is cut at a plane of symmetry: its other half is there, and nothing touches them.
+    fn cut_faces(&self, body: &Problem) -> Vec<Facet> {
+        let chooser = Chooser::new(Arc::clone(&body.mesh));
+        let planes = self.supports.iter().filter(|support| support.symmetry);
+        // What names no nodes is complained of where supports are made.
+        let planes = planes.filter_map(|support| chooser.holds(&support.nodes, Asked::Nodes).ok());
+        planes.flat_map(|held| held.facets).collect()
     }
 }
 

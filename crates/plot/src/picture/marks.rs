@@ -5,10 +5,10 @@ use pneuflex_model::Problem;
 use pneuflex_post::check;
 
 use crate::error::PlotError;
+use pneuflex_mesh::vector::{Vec3, norm, sub};
 use pneuflex_post::penetration::SAMPLES;
 use pneuflex_post::search::Surface;
 use pneuflex_post::surface::{Patch, SurfacePoint, cell_centre};
-use pneuflex_post::vector::{Vec3, norm, sub};
 
 use super::view::unit;
 

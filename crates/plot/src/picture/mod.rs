@@ -39,8 +39,8 @@ use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
 use pneuflex_post::check;
 
 use crate::error::PlotError;
+use pneuflex_mesh::vector::{Vec3, norm, sub};
 use pneuflex_post::surface::Bounds;
-use pneuflex_post::vector::{Vec3, norm, sub};
 use raster::{Frame, Paint, render};
 use skin::Skin;
 use view::Camera;

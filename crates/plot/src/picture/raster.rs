@@ -6,8 +6,8 @@ use super::colour_map::viridis;
 use super::skin::{Face, Skin, triangle_normal};
 use super::view::{Camera, Seen};
 use crate::drawing::{Colour, Image};
+use pneuflex_mesh::vector::{Vec3, dot};
 use pneuflex_post::surface::edge_distances;
-use pneuflex_post::vector::{Vec3, dot};
 
 /// What part of the plane of the picture is shown: x to the right, y up, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::{FaceKind, Outline, shape};
 use pneuflex_model::Problem;
 
+use pneuflex_mesh::vector::{Vec3, cross, dot, norm, sub};
 use pneuflex_post::surface::{Bounds, Patch};
-use pneuflex_post::vector::{Vec3, cross, dot, norm, sub};
 
 use super::view::unit;
 

@@ -1,6 +1,6 @@
 //! From where a body is seen.
 
-use pneuflex_post::vector::{Vec3, cross, dot, norm, sub};
+use pneuflex_mesh::vector::{Vec3, cross, dot, norm, sub};
 
 /// A direction of view; z points up on the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,7 @@ use pneuflex_deck::msh;
 use pneuflex_deck::surface::{self, Wall};
 
 use crate::input_error::{InputError, InputErrorKind};
-use crate::words::{plain, plural, thousands};
+use crate::words::{measured, place, plural, thousands};
 use gmsh::{Gmsh, Task};
 
 /// Ends of the names of files with solids.
@@ -32,6 +32,9 @@ const MOST_ELEMENTS: f64 = 20_000.0;
 
 /// Volume of a regular tetrahedron relative to the cube of its edge.
 const TETRAHEDRON: f64 = 0.117_851_130_197_757_92;
+
+/// A mesh has the volume of the triangles around its part but for this share.
+const SAME_VOLUME: f64 = 0.1;
 
 /// Folder, beside those of results by default, in which meshes of parts are kept.
 const KEPT: &str = "out/meshes";
@@ -109,17 +112,14 @@ impl MeshedPart {
     pub fn said(&self, path: &Path) -> Vec<String> {
         let wall = self.wall.map_or_else(
             || "no wall was found".to_owned(),
-            |wall| {
-                let [x, y, z] = wall.at.map(|t| plain((1e3 * t).round() / 1e3));
-                format!("the thinnest wall is {} mm, near ({x}, {y}, {z})", plain(rounded(wall.thickness)))
-            },
+            |wall| format!("the thinnest wall is {} mm, near {}", measured(wall.thickness), place(wall.at)),
         );
         let what = plural(self.solids.len(), "solid");
         let first = format!(
             "{}: {what}, {} mm3; {wall}; tetrahedra of at most {} mm",
             path.display(),
-            plain(rounded(self.volume)),
-            plain(rounded(self.size))
+            measured(self.volume),
+            measured(self.size)
         );
         std::iter::once(first).chain(self.notes.iter().map(|note| format!("{}: {note}", path.display()))).collect()
     }
@@ -145,26 +145,12 @@ impl MeshedPart {
             text += &format!("elements  {name}: {}\n", thousands(elements.len() as u64));
         }
         for (number, hollow) in (1..).zip(mesh.hollows(&[]).map_or_else(|_| Vec::new(), |(found, _)| found)) {
-            let mouth = hollow.mouth.map_or_else(
-                || "closed".to_owned(),
-                |mouth| {
-                    let [x, y, z] = mouth.centre.map(|t| plain((1e3 * t).round() / 1e3));
-                    format!("open near ({x}, {y}, {z})")
-                },
-            );
+            let mouth =
+                hollow.mouth.map_or_else(|| "closed".to_owned(), |mouth| format!("open near {}", place(mouth.centre)));
             let faces = plural(hollow.facets.len(), "face");
-            text += &format!("hollow    cavity_{number}: {faces}, {} mm3, {mouth}\n", plain(rounded(hollow.volume)));
+            text += &format!("hollow    cavity_{number}: {faces}, {} mm3, {mouth}\n", measured(hollow.volume));
         }
         Ok(text)
-    }
-}
-
-fn rounded(x: f64) -> f64 {
-    if x > 0.0 && x.is_finite() {
-        let unit = 10f64.powf(3.0 - x.log10().floor());
-        (unit * x).round() / unit
-    } else {
-        x
     }
 }
 
@@ -181,7 +167,7 @@ fn size_of(
         if (least..=most).contains(&size) {
             return Ok(size);
         }
-        let allowed = format!("must be from {} to {} for this part", plain(rounded(least)), plain(rounded(most)));
+        let allowed = format!("must be from {} to {} for this part", measured(least), measured(most));
         return Err(InputError::new(format!("the size of elements, {size} mm, is out of range: {allowed}")));
     }
     let wanted = wall.map_or(f64::INFINITY, |wall| PER_WALL * wall.thickness).min(PER_DIAGONAL * diagonal);
@@ -191,10 +177,28 @@ fn size_of(
         notes.push(format!(
             "elements of {} mm, as the thinnest wall asks for, would be {count}: they are larger, and walls are of one element; say a size to \
              have others",
-            plain(rounded(wanted))
+            measured(wanted)
         ));
     }
     Ok(wanted.max(least))
+}
+
+/// A mesh that Gmsh has made of a part, if it fills that: triangles know the part's volume but for what is round.
+fn filled(path: &Path, bytes: Vec<u8>, volume: f64) -> Result<Vec<u8>, Vec<InputError>> {
+    let read = msh::read("mesh.msh", &bytes);
+    let mesh = read.map_err(|errors| errors.into_iter().map(InputError::from).collect::<Vec<_>>())?.mesh;
+    if (mesh.volume() - volume).abs() <= SAME_VOLUME * volume {
+        return Ok(bytes);
+    }
+    let [found, expected] = [mesh.volume(), volume].map(measured);
+    let why = format!(
+        "Gmsh's mesh of it has {found} mm3, and its surface encloses {expected} mm3: it is not filled as it should be"
+    );
+    Err(InputError::about_file(path, why)
+        .with_help(Some(
+            "another size of elements (--size, model.size) may do; or mend the part where it was drawn".into(),
+        ))
+        .into())
 }
 
 /// A CAD file with solids.
@@ -206,7 +210,7 @@ fn mesh_solids(path: &Path, bytes: &[u8], size: Option<f64>) -> Result<MeshedPar
         .said("overlap")
         .map(|name| format!("the solid {name} overlaps another one, which keeps what both have"))
         .collect();
-    let (mut wall, mut volume, mut diagonal) = (None::<Wall>, 0.0, 0.0_f64);
+    let (mut wall, mut volume, mut diagonal, mut are_closed) = (None::<Wall>, 0.0, 0.0_f64, true);
     for triangles in gmsh.surfaces() {
         let Ok(read) = surface::read("part.stl", &triangles) else { continue };
         diagonal = diagonal.max(read.diagonal());
@@ -217,14 +221,18 @@ fn mesh_solids(path: &Path, bytes: &[u8], size: Option<f64>) -> Result<MeshedPar
                 wall = [wall, own].into_iter().flatten().min_by(|a, b| a.thickness.total_cmp(&b.thickness));
             }
             Err(_) => {
+                are_closed = false;
                 notes.push("the surface of a solid is not closed as triangles: its walls are not measured".into())
             }
         }
     }
     let size = size_of(size, wall, diagonal, volume, &mut notes)?;
-    let filled = gmsh.run(&Task { what: "volume", size, shape: "curved" })?;
-    let solids = filled.said("solid").map(str::to_owned).collect();
-    Ok(MeshedPart { bytes: gmsh.mesh()?, solids, wall, volume, size, notes })
+    let said = gmsh.run(&Task { what: "volume", size, shape: "curved" })?;
+    let solids = said.said("solid").map(str::to_owned).collect();
+    // Of solids that overlap both surfaces count.
+    let is_known = are_closed && surfaces.said("overlap").next().is_none();
+    let bytes = if is_known { filled(path, gmsh.mesh()?, volume)? } else { gmsh.mesh()? };
+    Ok(MeshedPart { bytes, solids, wall, volume, size, notes })
 }
 
 /// A surface of triangles.
@@ -238,13 +246,7 @@ fn mesh_triangles(path: &Path, bytes: &[u8], size: Option<f64>) -> Result<Meshed
     })?;
     let crossings: Vec<[f64; 3]> = bounded.surface.crossings(3);
     if !crossings.is_empty() {
-        let places: Vec<String> = crossings
-            .iter()
-            .map(|x| {
-                let [x, y, z] = x.map(|t| plain((1e4 * t).round() / 1e4));
-                format!("({x}, {y}, {z})")
-            })
-            .collect();
+        let places: Vec<String> = crossings.iter().map(|&x| place(x)).collect();
         let why = format!("its triangles pass through each other, e.g. at {}", places.join(", "));
         return Err(about(why).with_help(Some(mend.into())).into());
     }
@@ -273,16 +275,14 @@ fn mesh_triangles(path: &Path, bytes: &[u8], size: Option<f64>) -> Result<Meshed
     if shape == "as-it-is" {
         notes.push("its triangles could not be made anew and are kept as they are, whatever their size".into());
     } else if made < size {
-        let text = format!(
-            "elements of {} mm would cross each other: they are of {} mm",
-            plain(rounded(size)),
-            plain(rounded(made))
-        );
+        let text =
+            format!("elements of {} mm would cross each other: they are of {} mm", measured(size), measured(made));
         notes.push(text);
     }
     let size = made;
     let solids = ran.said("solid").map(str::to_owned).collect();
-    Ok(MeshedPart { bytes: gmsh.mesh()?, solids, wall, volume: bounded.volume, size, notes })
+    let bytes = filled(path, gmsh.mesh()?, bounded.volume)?;
+    Ok(MeshedPart { bytes, solids, wall, volume: bounded.volume, size, notes })
 }
 
 /// Whether Gmsh is there: tests that need it are passed over where it is not.

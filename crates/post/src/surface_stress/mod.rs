@@ -20,8 +20,8 @@ use pneuflex_model::{LoadParameter, Pressure, Problem};
 
 use crate::contact::ContactState;
 use crate::stress::{StressField, SymmetricTensor};
-use crate::vector::Vec3;
 use patch::{Tensor, plane};
+use pneuflex_mesh::vector::Vec3;
 use surface::{KnownSurface, Place};
 
 /// What acts on the surface in a state.

@@ -3,7 +3,7 @@
 use pneuflex_mesh::{FaceKind, Outline, shape};
 
 use crate::stress::solve_positive_definite;
-use crate::vector::{Vec3, cross, dot, norm, sub};
+use pneuflex_mesh::vector::{Vec3, cross, dot, norm, sub};
 
 /// A symmetric tensor of the surface as a matrix: U_s², the deformed metric in the reference tangents.
 pub type Tensor = [[f64; 3]; 3];

@@ -8,7 +8,7 @@ use pneuflex_model::load::Load;
 
 use super::SurfaceState;
 use super::patch::{Patch, Sample, TERMS, Tensor, area_vector, dual, plane, sampling_points, tangents, turn, unit};
-use crate::vector::{Vec3, cross, dot};
+use pneuflex_mesh::vector::{Vec3, cross, dot};
 
 /// Least cosine of the angles between the normals of the faces at a node of a smooth surface and their mean.
 const SMOOTH: f64 = 0.866;

@@ -296,6 +296,9 @@ class Result(Sequence[State]):
         Why: ``kind``, ``is_physical``, ``message``, ``advice``.
     warnings : list of dict
         What to be careful about: ``kind``, ``message``, ``advice``.
+    error_estimate : dict or None
+        Estimated errors of the last state, if ``output.error_estimate`` asks for them: ``errors``, by quantity its ``value``, signed ``error`` and
+        ``percent``; or ``why_not``.
     iterations : int
         Newton iterations, those of rejected attempts included.
     timing : dict
@@ -312,6 +315,7 @@ class Result(Sequence[State]):
         self.failure = ""
         self.reason: dict[str, Any] | None = None
         self.warnings: list[dict[str, Any]] = []
+        self.error_estimate: dict[str, Any] | None = None
         self.iterations = 0
         self.timing: dict[str, float] = {}
         self.folder: Path | None = None
@@ -370,6 +374,7 @@ class Result(Sequence[State]):
         result.title, result.status = summary.get("title", ""), summary["status"]
         result.failure, result.reason = summary.get("failure") or "", summary.get("failure_reason")
         result.warnings = summary.get("warnings") or []
+        result.error_estimate = summary.get("error_estimate")
         result.iterations, result.timing = summary.get("iterations_total", 0), summary.get("timing", {})
         return result
 
@@ -386,6 +391,7 @@ class Result(Sequence[State]):
         result.failure = outcome.failure
         result.reason = json.loads(outcome.reason) if outcome.reason else None
         result.warnings = json.loads(outcome.warnings)
+        result.error_estimate = json.loads(outcome.error_estimate)
         result.iterations, result.timing = outcome.iterations, json.loads(outcome.timing)
         result._study, result._outcome = study, outcome
         body = _Body.of_analysis(analysis)

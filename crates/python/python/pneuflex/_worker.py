@@ -98,6 +98,9 @@ def solve_design(task: Task) -> Row:
         row["status"] = result.status
         row["reason"] = result.reason["kind"] if result.reason else (None if not result.failure else result.status)
         row["states"] = [state.numbers() for state in result]
+        errors = (result.error_estimate or {}).get("errors", {})
+        if row["states"]:
+            row["states"][-1] |= {f"error.{key}": error["error"] for key, error in errors.items()}
         row["warnings"] = [warning["kind"] for warning in result.warnings]
         if (outcome := result._outcome) is not None:
             outcome.leave_equilibria(task.folder, task.identity)

@@ -1,9 +1,9 @@
-//! The numbers of a state as a flat table, a row of the sweep's table.
+//! The numbers of a state as a flat row: the columns of `pneuflex table`, of sweeps and of what `pneuflex find` looks for.
 
-use pneuflex::Study;
-use pneuflex::post::summary::StepSummary;
+use pneuflex_post::summary::StepSummary;
 
 use crate::pairs::Pairs;
+use crate::study::Study;
 
 /// What the tip of an actuator is told by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,20 +40,14 @@ impl Tip {
     }
 }
 
-/// Angle of the chord from the clamp to the tip, degrees, positive downwards; `None` for a body without a centreline.
-fn chord_angle_deg(state: &StepSummary) -> Option<f64> {
-    let ([x0, z0], [x1, z1]) = (state.centreline.first()?, state.centreline.last()?);
-    (state.centreline.len() > 1).then(|| (-(z1 - z0)).atan2(x1 - x0).to_degrees())
-}
-
 /// The numbers of a state by the names of their columns, units in the names.
-pub fn numbers(state: &StepSummary, tip: &Tip) -> Pairs {
+pub fn columns(state: &StepSummary, tip: &Tip) -> Pairs {
     let mut found = Pairs::default();
     for (name, value) in [
         ("time", state.time),
         ("pressure_kpa", Some(state.pressure_kpa)),
         ("end_face_angle_deg", state.end_face_angle_deg),
-        ("chord_angle_deg", chord_angle_deg(state)),
+        ("chord_angle_deg", state.chord_angle_deg()),
         ("cavity_volume_mm3", Some(state.cavity_volume_mm3)),
         ("max_von_mises_mpa", Some(state.max_von_mises_mpa)),
         ("von_mises_p99_mpa", Some(state.von_mises_p99_mpa)),
