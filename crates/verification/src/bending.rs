@@ -27,8 +27,10 @@ const STEPS: u32 = 12;
 
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
-    crate::ELEMENTS
-        .into_iter()
+    effort
+        .elements()
+        .iter()
+        .copied()
         .map(|element| {
             let order = match element {
                 Formulation::Hex20 | Formulation::Hex27 => 4.0,

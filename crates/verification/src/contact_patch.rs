@@ -45,7 +45,7 @@ pub struct Meeting {
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in crate::ELEMENTS {
+    for &element in effort.elements() {
         let meshes: [usize; 2] = match element {
             Formulation::Tet15 | Formulation::Wedge21 => [3, 4],
             _ if element.element_kind().is_quadratic() => [2, 4],

@@ -67,13 +67,21 @@ pub(crate) const ELEMENTS: [Formulation; 6] = [
 /// How much is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// The two coarsest meshes of every sequence.
+    /// The two coarsest meshes of every sequence, of the elements that bodies are solved with by default.
     Quick,
-    /// All meshes.
+    /// All meshes of all elements.
     Full,
 }
 
 impl Effort {
+    /// The elements whose sequences are solved.
+    pub(crate) fn elements(self) -> &'static [Formulation] {
+        match self {
+            Self::Quick => &[Formulation::Hex8Q1p0, Formulation::Hex27, Formulation::Tet15],
+            Self::Full => &ELEMENTS,
+        }
+    }
+
     /// The meshes of a sequence, coarsest first, that are solved.
     pub fn of<T>(self, meshes: &[T]) -> &[T] {
         match self {

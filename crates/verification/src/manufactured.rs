@@ -28,7 +28,7 @@ type Field = fn([f64; 3]) -> ([f64; 3], [[f64; 3]; 3]);
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in crate::ELEMENTS {
+    for &element in effort.elements() {
         let coarsest = if element.is_second_order { 1 } else { 2 };
         // Six tetrahedra or two wedges are no mesh yet.
         let meshes = if matches!(element, Formulation::Tet15 | Formulation::Wedge21) {

@@ -27,7 +27,7 @@ pub(crate) const RADII: [f64; 2] = [5.0, 7.0];
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in crate::ELEMENTS {
+    for &element in effort.elements() {
         // Cells along each side of the cube and through the wall.
         let meshes: [[usize; 2]; 3] = match element {
             // On its coarsest mesh hex27 is accidentally better than its order.

@@ -22,7 +22,7 @@ const RADIUS: f64 = 5.0;
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in crate::ELEMENTS {
+    for &element in effort.elements() {
         // Cells across and along.
         let meshes: [[usize; 2]; 3] = match element {
             _ if element.is_second_order => [[2, 1], [4, 2], [6, 3]],

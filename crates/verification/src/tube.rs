@@ -30,7 +30,7 @@ const RADII: [f64; 2] = [5.0, 7.0];
 /// Rows of all elements.
 pub fn rows(effort: Effort) -> Vec<Row> {
     let mut rows = Vec::new();
-    for element in crate::ELEMENTS {
+    for &element in effort.elements() {
         let coarsest: [usize; 2] = match element {
             // Two elements around the quarter are so good that compressibility would limit the finer meshes.
             Formulation::Hex20 => [1, 1],
