@@ -60,6 +60,8 @@ pub enum Cause {
         least: usize,
         /// Most touching points.
         most: usize,
+        /// Whether the body is stable with some of these points and unstable with others.
+        becomes_unstable: bool,
     },
     /// The body came out of an obstacle on the other side.
     #[error("the step would carry the body through the obstacle `{obstacle}`")]

@@ -47,6 +47,8 @@ pub struct Measures {
     pub residual: f64,
     /// Contact points that carry traction.
     pub contact_points: usize,
+    /// Whether the tangent that it comes from is indefinite.
+    pub is_unstable: bool,
 }
 
 /// The policy of one attempt.
@@ -69,6 +71,8 @@ pub struct Globalisation<'a> {
     norms: Vec<f64>,
     /// Fewest and most touching points of the last iterations.
     touching: (usize, usize),
+    /// How many of them had stable tangents, and how many unstable ones.
+    stability: [usize; 2],
     /// Fewest touching points of all iterations, and how many tangents ago they were seen.
     fewest: (usize, usize),
     /// The last correction of a new tangent, and how many of them in a row were below the tolerance and left the residual as it was.
@@ -108,6 +112,7 @@ impl<'a> Globalisation<'a> {
             goes_on: has_tangent,
             norms: Vec::new(),
             touching: (usize::MAX, 0),
+            stability: [0; 2],
             fewest: (usize::MAX, 0),
             stall: (Measures { norm: f64::INFINITY, ..Measures::default() }, 0),
         }
@@ -163,7 +168,7 @@ impl<'a> Globalisation<'a> {
         self.norms.push(now.norm);
         let before = self.norms.len().checked_sub(1 + tuning.circle).map(|index| self.norms[index]);
         let circles = before.is_some_and(|before| now.norm > tuning.not_smaller * before);
-        self.watch(now.contact_points);
+        self.watch(&now);
         self.watch_rounding(now);
         self.last = now;
         self.goes_on = true;
@@ -173,7 +178,7 @@ impl<'a> Globalisation<'a> {
     /// A correction of the factor at hand: it goes on while it needs few more corrections to get there; one that hardly contracts is
     /// thrown away.
     fn judge_modified(&mut self, now: Measures) -> Verdict {
-        self.watch(now.contact_points);
+        self.watch(&now);
         if self.iteration == 0 && self.last.norm == 0.0 {
             self.goes_on = now.largest < self.tuning.modified_below;
             self.last = now;
@@ -203,7 +208,8 @@ impl<'a> Globalisation<'a> {
     pub fn exhausted(&self, node: usize) -> Cause {
         let (least, most) = self.touching;
         if most > least && self.last.norm < SETTLING {
-            return Cause::ContactChatter { least, most };
+            let becomes_unstable = self.stability.iter().all(|count| *count > 0);
+            return Cause::ContactChatter { least, most, becomes_unstable };
         }
         Cause::TooManyIterations {
             iterations: self.settings.max_iterations,
@@ -231,10 +237,12 @@ impl<'a> Globalisation<'a> {
         self.fewest.1 < PEELING && self.iteration < MOST_PEELING * self.settings.max_iterations
     }
 
-    fn watch(&mut self, touching: usize) {
+    fn watch(&mut self, now: &Measures) {
+        let touching = now.contact_points;
         self.fewest = if touching < self.fewest.0 { (touching, 0) } else { (self.fewest.0, self.fewest.1 + 1) };
         if self.iteration + WATCHED > self.settings.max_iterations {
             self.touching = (self.touching.0.min(touching), self.touching.1.max(touching));
+            self.stability[usize::from(now.is_unstable)] += 1;
         }
     }
 }
@@ -246,7 +254,7 @@ mod tests {
     const TUNING: fn() -> Tuning = Tuning::default;
 
     fn measures(norm: f64) -> Measures {
-        Measures { norm, largest: norm, residual: norm, contact_points: 0 }
+        Measures { norm, largest: norm, residual: norm, ..Measures::default() }
     }
 
     fn scales() -> Scales {
@@ -344,18 +352,25 @@ mod tests {
     fn the_reason_of_an_exhausted_attempt_is_contact_where_points_keep_changing() {
         let tuning = TUNING();
         let settings = Solver { max_iterations: 8, ..Solver::default() };
-        let exhaust = |points: fn(usize) -> usize| {
+        let exhaust = |points: fn(usize) -> usize, is_unstable: fn(usize) -> bool| {
             let mut policy = Globalisation::new(&tuning, &settings, &scales(), false);
             let mut count = 0;
             while policy.next_tangent().is_some() {
-                policy.judge(Measures { contact_points: points(count), ..measures(0.4) }, false, small);
+                let now = Measures { contact_points: points(count), is_unstable: is_unstable(count), ..measures(0.4) };
+                policy.judge(now, false, small);
                 count += 1;
             }
             (count, policy.exhausted(7))
         };
-        assert_eq!(exhaust(|count| 10 + count % 2), (8, Cause::ContactChatter { least: 10, most: 11 }));
+        // Where the body is unstable without the point that opens there is a limit, and not where it is unstable anyway.
+        for (is_unstable, becomes_unstable) in
+            [((|_| false) as fn(usize) -> bool, false), (|_| true, false), (|count| count % 2 == 0, true)]
+        {
+            let chatter = Cause::ContactChatter { least: 10, most: 11, becomes_unstable };
+            assert_eq!(exhaust(|count| 10 + count % 2, is_unstable), (8, chatter));
+        }
         let lost = Cause::TooManyIterations { iterations: 8, correction: 0.4, residual: 0.4, node: 7 };
-        assert_eq!(exhaust(|_| 10), (8, lost));
+        assert_eq!(exhaust(|_| 10, |_| false), (8, lost));
     }
 
     #[test]
@@ -388,7 +403,7 @@ mod tests {
                 policy.is_stalled()
             })
         };
-        let of = |norm: f64, residual: f64| Measures { norm, largest: norm, residual, contact_points: 0 };
+        let of = |norm: f64, residual: f64| Measures { norm, largest: norm, residual, ..Measures::default() };
         let small_corrections = |count: usize| of(1e-14, 1e-7 * (1.0 + 0.1 * count as f64));
         assert_eq!(stalls_after(&small_corrections), Some(STALLED));
         // Corrections that are still large, a residual that still falls, contact that has not settled.

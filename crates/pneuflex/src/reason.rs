@@ -306,6 +306,18 @@ impl End<'_> {
     }
 
     fn chatter(&self) -> Option<Reason> {
+        let is_on_stable_path = !self.is_at_rest() && !self.failure.is_past_limit;
+        if let Cause::ContactChatter { least, most, becomes_unstable: true } = self.failure.cause
+            && is_on_stable_path
+        {
+            let message = format!(
+                "no stable equilibrium is near beyond {}: with {most} touching points the body is stable, without {} of them it is not, and \
+                 buckles or snaps where they open",
+                self.reached(),
+                most - least
+            );
+            return Some(self.reason(ReasonKind::Instability, Occasion::Buckling, message));
+        }
         let message = || format!("the contact does not settle beyond {}: {}", self.reached(), self.failure.cause);
         self.is_chatter().then(|| self.reason(ReasonKind::WallsCross, Occasion::UnsettledContact, message()))
     }
@@ -395,8 +407,9 @@ mod tests {
         // Nothing is known of its stability.
         assert_eq!(kind(failure(diverged(), None)), Some((ReasonKind::NotConverged, false)));
         assert_eq!(kind(failure(diverged(), Some(30.0))), Some((ReasonKind::Instability, true)));
-        let chatter = Cause::ContactChatter { least: 1, most: 9 };
-        assert_eq!(kind(failure(chatter, Some(1.0))), Some((ReasonKind::WallsCross, false)));
+        let chatter = |becomes_unstable| Cause::ContactChatter { least: 1, most: 9, becomes_unstable };
+        assert_eq!(kind(failure(chatter(false), Some(1.0))), Some((ReasonKind::WallsCross, false)));
+        assert_eq!(kind(failure(chatter(true), Some(1.0))), Some((ReasonKind::Instability, true)));
         let passed = Cause::PassedThrough { obstacle: "ball".into() };
         assert_eq!(kind(failure(passed, Some(1.0))), Some((ReasonKind::WallsCross, false)));
         let inverted = Cause::Inversion { element: 3, point: 0, jacobian: -0.1 };
@@ -418,7 +431,7 @@ mod tests {
             let reason = explain(&problem, Vocabulary::MeshModel, &failure, &rest).unwrap();
             (reason.kind, reason.is_physical)
         };
-        let chatter = || Cause::ContactChatter { least: 1, most: 9 };
+        let chatter = || Cause::ContactChatter { least: 1, most: 9, becomes_unstable: false };
         assert_eq!(kind(1.3, chatter()), (ReasonKind::WallsCross, false));
         assert_eq!(kind(1.9, chatter()), (ReasonKind::HeldInObstacle, true));
         assert_eq!(kind(1.9, Cause::Diverged { correction: 1.0 }), (ReasonKind::HeldInObstacle, true));

@@ -82,7 +82,8 @@ impl Path {
                 rate = Some(of_tangent);
             }
             let updated = self.system.multipliers(&tangent, &assembled, &correction)?;
-            let measures = self.measure(&assembled, &correction, [&updated, &multipliers]);
+            let is_unstable = tangent.negative_pivots() > 0;
+            let measures = Measures { is_unstable, ..self.measure(&assembled, &correction, [&updated, &multipliers]) };
             multipliers = updated;
             let scale = criteria.scale(self.system.held_norm(&assembled.residual));
             observer(Event::Iteration(&self.record(&policy, &state, &tangent, &measures, scale)));
@@ -104,8 +105,7 @@ impl Path {
             self.system.apply(&mut state, &correction)?;
             state.parameter = state.parameter + change_of_parameter;
             // Small corrections of an unstable tangent lead away from the path.
-            let is_stable = tangent.negative_pivots() == 0;
-            if target == Target::OnTheWay && is_stable && self.is_small(&state, &correction) {
+            if target == Target::OnTheWay && !is_unstable && self.is_small(&state, &correction) {
                 self.system.check_equilibrium(&state.displacement)?;
                 // The next guess comes from a tangent near the state, or from a new one.
                 let predictor = if choice == Choice::AtHand {
@@ -129,7 +129,7 @@ impl Path {
                 if criteria.are_met(&mut self.system, &state, &assembled)? {
                     self.system.check_equilibrium(&state.displacement)?;
                     let is_taken = driven.is_falling(&state, rate.as_ref()) || self.takes_unstable();
-                    let tangent = if is_stable || is_taken { tangent } else { self.judged_at(&state, tangent)? };
+                    let tangent = if !is_unstable || is_taken { tangent } else { self.judged_at(&state, tangent)? };
                     let mesh_motions = if is_taken || tangent.negative_pivots() == 0 {
                         None
                     } else {
@@ -229,6 +229,7 @@ impl Path {
             largest: correction.largest() / length,
             residual: self.system.free_norm(&assembled.residual),
             contact_points: assembled.contact_points,
+            is_unstable: false,
         }
     }
 
