@@ -53,6 +53,9 @@ pub enum Command {
     /// Write report.html, which shows a result folder in a browser
     #[command(after_help = examples::VIEW)]
     View(ViewArguments),
+    /// Draw a state of a result folder as a picture
+    #[command(after_help = examples::PICTURE)]
+    Picture(PictureArguments),
     /// Find the pressure, or the value of a key, at which a result takes a value
     #[command(after_help = examples::FIND)]
     Find(FindArguments),
@@ -238,6 +241,57 @@ pub struct ViewArguments {
     /// Folder that `pneuflex run` wrote
     #[arg(value_name = "RESULT_DIR")]
     pub results: PathBuf,
+}
+
+/// Arguments of `pneuflex picture`.
+#[derive(Debug, Args)]
+pub struct PictureArguments {
+    /// Folder that `pneuflex run` wrote
+    #[arg(value_name = "RESULT_DIR")]
+    pub results: PathBuf,
+    /// Pressure in kPa, or time of a model, which must be among the results [default: the last one]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// What the colours mean
+    #[arg(long, value_name = "FIELD", value_enum, default_value_t = PictureColours::VonMises)]
+    pub colour: PictureColours,
+    /// From where
+    #[arg(long, value_name = "VIEW", value_enum, default_value_t = PictureView::Iso)]
+    pub view: PictureView,
+    /// Values at the ends of the colours, e.g. 0,0.2 [default: the least and the largest one; of stresses 0 and what 99 % of the volume stays
+    /// below]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = ends, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// Width in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 1100, value_parser = clap::value_parser!(u32).range(300..=4000))]
+    pub width: u32,
+    /// The picture: a file that ends with .png or .svg [default: picture.png in the result folder]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// What the colours of a picture mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PictureColours {
+    /// von Mises stress, MPa.
+    VonMises,
+    /// How far points have moved, mm.
+    Displacement,
+    /// Pressure of opposite walls and obstacles, MPa.
+    Contact,
+    /// Nothing.
+    None,
+}
+
+/// From where a picture is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PictureView {
+    /// From outside, the whole actuator.
+    Iso,
+    /// Into a half that is cut open at its plane of symmetry.
+    Section,
+    /// Straight at that plane: lengths along x and z are true.
+    Side,
 }
 
 /// Arguments of `pneuflex find`.

@@ -64,6 +64,12 @@ pub const VIEW: &str = "\
 Examples:
   pneuflex view out/actuator              out/actuator/report.html, to be opened in a browser";
 
+/// Of `pneuflex picture`.
+pub const PICTURE: &str = "\
+Examples:
+  pneuflex picture out/actuator
+  pneuflex picture out/actuator --at 35 --colour displacement --view side --out bent.svg";
+
 /// Of `pneuflex find`.
 pub const FIND: &str = "\
 Examples:

@@ -1,7 +1,8 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands;
+//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
+//!   [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
@@ -24,6 +25,7 @@ mod materials;
 mod mesh;
 mod new;
 mod outcome;
+mod picture;
 mod progress;
 mod rod;
 mod run;
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments).map(|()| Outcome::Converged),
         Command::New(arguments) => new::new(&arguments).map(|()| Outcome::Converged),
         Command::Mesh(arguments) => mesh::mesh(&arguments).map(|()| Outcome::Converged),
+        Command::Picture(arguments) => picture::picture(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),

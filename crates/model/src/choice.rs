@@ -172,7 +172,7 @@ impl Conditions {
             found.unless_positive(&format!("{key}.sphere.radius"), ball.radius, Quantity::Length);
         }
         if let Some(tolerance) = tolerance {
-            found.unless_positive(&format!("{key}.tolerance"), *tolerance, Quantity::Length);
+            found.unless_positive(&format!("{key}.tolerance"), *tolerance, Quantity::Tolerance);
             if within.is_none() && plane.is_none() && sphere.is_none() {
                 found.add(&format!("{key}.tolerance"), tolerance, "must stand beside box, plane or sphere");
             }

@@ -346,7 +346,7 @@ impl Solver {
             found.add("solver.max_iterations", &self.max_iterations, "must be from 2 to 1000");
         }
         if let Some(imperfection) = self.imperfection {
-            found.unless_positive("solver.imperfection", imperfection, Quantity::Length);
+            found.unless_positive("solver.imperfection", imperfection, Quantity::Tolerance);
         }
         if !(1..=1000).contains(&self.states_past_limit) {
             found.add("solver.states_past_limit", &self.states_past_limit, "must be from 1 to 1000");

@@ -113,7 +113,7 @@
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
-//! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`] | result folders |
+//! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`], [`picture`] | result folders |
 //! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
 //! | [`document`] | case and model files as texts with places |
 
@@ -150,6 +150,7 @@ pub mod observer;
 mod on_the_way;
 pub mod overview;
 mod pairs;
+pub mod picture;
 pub mod quantities;
 pub mod reason;
 mod recorded_mesh;

@@ -43,19 +43,7 @@ pub fn write_report(folder: &OutputFolder) -> Result<PathBuf, Error> {
 /// # Errors
 /// [`Error::Input`]: a folder that is none of this program's, files that are missing or damaged.
 pub fn report_page(folder: &Path) -> Result<String, Error> {
-    let summary = read_summary(folder)?;
-    let case_path = folder.join("case.toml");
-    // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.
-    let has_nodes_of_summary = |estimate: Estimate| {
-        let (expected, found) = (estimate.unknowns / 3.0, summary.mesh.nodes as f64);
-        if expected <= LARGEST_ERROR * found + FEW_NODES {
-            return Ok(None);
-        }
-        let why = format!("its mesh has about {expected:.3e} nodes, that of summary.json has {found}");
-        Err(damaged(&case_path, why))
-    };
-    let analysis = Study::load(&case_path)?.build_guarded(&has_nodes_of_summary)?;
-    let states = read_states(folder, &analysis, &summary)?;
+    let RecordedRun { analysis, summary, states } = RecordedRun::read(folder)?;
     let report = Report {
         title: &analysis.title,
         about: &about(&analysis),
@@ -65,6 +53,37 @@ pub fn report_page(folder: &Path) -> Result<String, Error> {
         states: states.as_deref(),
     };
     Ok(render(&report).map_err(|e| InputError::about_file(folder, e))?)
+}
+
+/// What a result folder holds, read and checked.
+pub(crate) struct RecordedRun {
+    pub(crate) analysis: Analysis,
+    pub(crate) summary: Summary,
+    /// The fields at every reached pressure or time; `None` if none were asked for.
+    pub(crate) states: Option<Vec<State>>,
+}
+
+impl RecordedRun {
+    /// Reads a folder.
+    ///
+    /// # Errors
+    /// [`Error::Input`]: a folder that is none of this program's, files that are missing or damaged.
+    pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
+        let summary = read_summary(folder)?;
+        let case_path = folder.join("case.toml");
+        // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.
+        let has_nodes_of_summary = |estimate: Estimate| {
+            let (expected, found) = (estimate.unknowns / 3.0, summary.mesh.nodes as f64);
+            if expected <= LARGEST_ERROR * found + FEW_NODES {
+                return Ok(None);
+            }
+            let why = format!("its mesh has about {expected:.3e} nodes, that of summary.json has {found}");
+            Err(damaged(&case_path, why))
+        };
+        let analysis = Study::load(&case_path)?.build_guarded(&has_nodes_of_summary)?;
+        let states = read_states(folder, &analysis, &summary)?;
+        Ok(Self { analysis, summary, states })
+    }
 }
 
 /// An analysis in a few words.

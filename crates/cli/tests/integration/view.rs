@@ -139,3 +139,44 @@ fn folders_that_cannot_be_shown_are_bad_input() {
     let ended = scratch.run(&["view", "empty"]);
     assert!(ended.code == 2 && ended.err.contains("holds no summary.json"), "{ended:?}");
 }
+
+/// Pictures of states of a run: as PNG and SVG, with the obstacle beside the body, and what cannot be drawn is refused.
+#[test]
+fn states_of_a_run_are_drawn_with_their_obstacles() {
+    let scratch = Scratch::new("picture");
+    let case = "[actuator]\nchambers = 2\nchamber_length = 8.0\ncavity_length = 6.0\ngap = 2.0\nflange = 2.0\nwidth = 20.0\nheight = 13.0\n\
+                base = 4.0\nside_wall = 1.0\ntop_wall = 1.0\nchannel = { half_width = 1.0, bottom = 2.0, top = 3.0 }\n[mesh]\nsize = 4.5\n\
+                element = \"hex8-q1p0\"\n[load]\npressure_kpa = [2, 4]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\n\
+                centre = [20, 0, -6]\nradius = 4\n";
+    fs::write(scratch.path("case.toml"), case).unwrap();
+    assert_eq!(scratch.run(&["run", "case.toml", "--out", "run", "--quiet", "--no-report"]).code, 0);
+    let drawn = scratch.run(&["picture", "run"]);
+    assert_eq!(drawn.code, 0, "{drawn:?}");
+    assert_eq!(&fs::read(scratch.path("run/picture.png")).unwrap()[1..4], b"PNG");
+    let svg = |more: &[&str]| {
+        let ended = scratch.run(&[&["picture", "run", "--out", "a.svg"], more].concat());
+        assert_eq!(ended.code, 0, "{more:?} {ended:?}");
+        fs::read_to_string(scratch.path("a.svg")).unwrap()
+    };
+    for (more, words) in [
+        (&["--at", "2"][..], &["at 2 kPa", "von Mises stress (MPa)", "99 %"][..]),
+        (&["--view", "side", "--colour", "displacement"], &["at 4 kPa", "displacement (mm)"]),
+        (&["--view", "section", "--colour", "contact", "--range", "0,0.5"], &["contact pressure (MPa)", "0.5"]),
+    ] {
+        let text = svg(more);
+        assert!(words.iter().all(|word| text.contains(word)), "{more:?}");
+    }
+    assert!(!svg(&["--colour", "none"]).contains("MPa"));
+    for (more, words) in [
+        (&["--at", "3"][..], "there are no results at 3 kPa"),
+        (&["--out", "a.jpg"], "ends with .png or .svg"),
+        (&["--range", "2,1"], "--range 2,1: expected two finite numbers"),
+        (&["--width", "20"], "300..=4000"),
+    ] {
+        let ended = scratch.run(&[&["picture", "run"], more].concat());
+        assert!(ended.code == 2 && ended.err.contains(words), "{more:?} {ended:?}");
+    }
+    assert_eq!(scratch.run(&["run", "case.toml", "--out", "bare", "--quiet", "--set", "output.fields=false"]).code, 0);
+    let ended = scratch.run(&["picture", "bare"]);
+    assert!(ended.code == 2 && ended.err.contains("its results have no fields"), "{ended:?}");
+}

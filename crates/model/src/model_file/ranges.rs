@@ -146,7 +146,7 @@ impl Model {
             ("solver.first_step", solver.first_step, Quantity::Time),
             ("solver.max_step", solver.max_step, Quantity::Time),
             ("solver.min_step", solver.min_step, Quantity::Time),
-            ("solver.imperfection", solver.imperfection, Quantity::Length),
+            ("solver.imperfection", solver.imperfection, Quantity::Tolerance),
         ] {
             if let Some(value) = value {
                 found.unless_positive(key, value, quantity);

@@ -24,6 +24,7 @@
 
 mod colour_map;
 mod marks;
+mod obstacles;
 mod raster;
 mod skin;
 mod view;
@@ -32,17 +33,18 @@ pub use colour_map::viridis;
 pub use marks::{Nearest, nearest};
 pub use view::View;
 
-use pneuflex_model::Problem;
+use pneuflex_model::{LoadParameter, Problem};
 
 use crate::chart::ticks;
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
 use pneuflex_post::check;
 
 use crate::error::PlotError;
+use obstacles::Extent;
 use pneuflex_mesh::vector::{Vec3, norm, sub};
 use pneuflex_post::surface::Bounds;
 use raster::{Frame, Paint, render};
-use skin::Skin;
+use skin::{Face, Skin};
 use view::Camera;
 
 /// A deformed body.
@@ -56,12 +58,14 @@ pub struct Body<'a> {
     pub field: Option<&'a [f64]>,
     /// Whether to show a half model together with its other half.
     pub is_mirrored: bool,
+    /// Where on the load path its obstacles are; `None` to leave them out.
+    pub obstacles_at: Option<LoadParameter>,
 }
 
 impl<'a> Body<'a> {
     /// A body in one colour, as it is modelled.
     pub fn plain(problem: &'a Problem, displacement: &'a [[f64; 3]]) -> Self {
-        Self { problem, displacement, field: None, is_mirrored: false }
+        Self { problem, displacement, field: None, is_mirrored: false, obstacles_at: None }
     }
 
     /// Whether it is a half model whose inside is seen through the symmetry plane.
@@ -168,7 +172,7 @@ impl<'a> Figure<'a> {
         let mut scenes = Vec::new();
         let mut bounds = Bounds::EMPTY;
         for panel in &self.panels {
-            let Body { problem, displacement, field, is_mirrored } = panel.body;
+            let Body { problem, displacement, field, is_mirrored, obstacles_at } = panel.body;
             check("displacement", displacement.as_flattened(), problem.num_dofs())?;
             if let Some(field) = field {
                 check("field", field, problem.mesh.num_nodes())?;
@@ -194,7 +198,14 @@ impl<'a> Figure<'a> {
             rings.retain(|ring| !ring.is_empty());
             let values =
                 field.map(|f| f.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]));
-            scenes.push(Scene { skin, rings, values });
+            let extent = match (is_mirrored, panel.body.shows_section()) {
+                (true, _) => Extent::Mirrored,
+                (false, true) => Extent::Section,
+                (false, false) => Extent::Whole,
+            };
+            let obstacles =
+                obstacles_at.map(|at| obstacles::faces(problem, at, &skin.bounds, extent)).unwrap_or_default();
+            scenes.push(Scene { skin, obstacles, rings, values });
         }
         if !bounds.low.iter().chain(&bounds.high).all(|x| x.is_finite()) {
             return Err(PlotError::NotDrawable { what: "a figure without bodies".into() });
@@ -212,11 +223,15 @@ impl<'a> Figure<'a> {
 /// What is drawn of one panel.
 struct Scene {
     skin: Skin,
+    obstacles: Vec<Face>,
     /// Points of every gap to be ringed.
     rings: Vec<Vec<Vec3>>,
     /// Least and largest value of the field.
     values: Option<[f64; 2]>,
 }
+
+/// By how much the body's part of the picture grows for obstacles at the most.
+const NEAR: f64 = 0.5;
 
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 17.0;
@@ -247,6 +262,12 @@ impl Layout {
         for vertex in scenes.iter().flat_map(|s| &s.skin.faces).flat_map(|f| &f.vertices) {
             let seen = camera.see(vertex.position);
             frame = frame.with([seen.x, seen.y]);
+        }
+        // Obstacles as far as they are near.
+        let most = frame.grown(frame.size().map(|s| (1.0 + NEAR) * s));
+        for vertex in scenes.iter().flat_map(|s| &s.obstacles).flat_map(|f| &f.vertices) {
+            let seen = camera.see(vertex.position);
+            frame = frame.with(std::array::from_fn(|d| [seen.x, seen.y][d].clamp(most.low[d], most.high[d])));
         }
         // Room for lines and rings at the border.
         let room = 0.04 * frame.size()[0].max(frame.size()[1]);
@@ -348,7 +369,7 @@ impl Layout {
             range: scene.values.and(self.range),
             edge_width: sharpness * (scale * scene.skin.face_size() / 70.0).clamp(0.35, 1.0),
         };
-        let image = render(&scene.skin, &self.camera, frame, scale * sharpness, pixels, &paint);
+        let image = render((&scene.skin, &scene.obstacles), &self.camera, frame, scale * sharpness, pixels, &paint);
         drawing.image(corner, size, image);
         for ring in &scene.rings {
             let points: Vec<[f64; 2]> = ring

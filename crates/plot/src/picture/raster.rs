@@ -53,6 +53,8 @@ pub(crate) struct Paint {
 
 /// Colour of a body without a field.
 const PLAIN: Colour = Colour([164, 196, 222]);
+/// Colour of obstacles.
+const OBSTACLE: Colour = Colour([196, 190, 180]);
 /// Colour of places where two parts of the body are at once.
 const OVERLAP: Colour = Colour([214, 39, 40]);
 /// Two surfaces no further apart than this (mm) and parallel lie in each other.
@@ -81,9 +83,9 @@ struct Corner {
     carried: [f64; 5],
 }
 
-/// Draws a skin. `scale` is pixels per mm. Where nothing is seen the image is clear.
+/// Draws a skin and obstacles. `scale` is pixels per mm. Where nothing is seen the image is clear.
 pub(crate) fn render(
-    skin: &Skin,
+    (skin, obstacles): (&Skin, &[Face]),
     camera: &Camera,
     frame: &Frame,
     scale: f64,
@@ -101,8 +103,11 @@ pub(crate) fn render(
         overlaps: vec![false; count],
     };
     let fine = scale * SAMPLES as f64;
-    let normals: Vec<Vec3> = skin.faces.iter().map(|f| f.vertices[f.vertices.len() / 2].normal).collect();
-    for (number, face) in skin.faces.iter().enumerate() {
+    let faces = || skin.faces.iter().chain(obstacles);
+    // Two parts of the body may be at one place by mistake; what lies on an obstacle is where it should be.
+    let normal = |f: &Face| if f.is_of_body { f.vertices[f.vertices.len() / 2].normal } else { [0.0; 3] };
+    let normals: Vec<Vec3> = faces().map(normal).collect();
+    for (number, face) in faces().enumerate() {
         let seen: Vec<Seen> = face.vertices.iter().map(|v| camera.see(v.position)).collect();
         let place = |s: &Seen| {
             let at = [(s.x - frame.low[0]) * fine, (frame.high[1] - s.y) * fine];
@@ -120,6 +125,10 @@ pub(crate) fn render(
             let own = triangle_normal(positions);
             let sign = if dot(own, face.vertices[triangle[0]].normal) < 0.0 { -1.0 } else { 1.0 };
             let is_front = sign * dot(own, camera.toward(positions[0])) > 0.0;
+            // From behind a plane one looks through it.
+            if !is_front && !face.is_of_body {
+                continue;
+            }
             buffer
                 .fill(corners, number, is_front, &normals, |carried, gradients| shade(face, carried, gradients, paint));
         }
@@ -137,6 +146,7 @@ fn brightness(camera: &Camera, position: Vec3, normal: Vec3) -> f64 {
 fn shade(face: &Face, carried: [f64; 5], gradients: [[f64; 2]; 2], paint: &Paint) -> [u8; 3] {
     let [_, xi, eta, value, light] = carried;
     let base = match paint.range {
+        _ if !face.is_of_body => OBSTACLE,
         Some([low, high]) => viridis((value - low) / (high - low).max(f64::MIN_POSITIVE)),
         None => PLAIN,
     };
@@ -159,7 +169,8 @@ fn shade(face: &Face, carried: [f64; 5], gradients: [[f64; 2]; 2], paint: &Paint
     let half = 0.5 * paint.edge_width * SAMPLES as f64;
     let mut line: f64 = 0.0;
     for (distance, is_edge) in distance.into_iter().zip(face.is_edge) {
-        let (width, strength) = if is_edge { (2.0 * half, 0.8) } else { (half, 0.45 * fade) };
+        let inner = if face.is_of_body { 0.45 * fade } else { 0.0 };
+        let (width, strength) = if is_edge { (2.0 * half, 0.8) } else { (half, inner) };
         line = line.max(strength * (width + 0.5 - distance).clamp(0.0, 1.0));
     }
     colour = colour.towards(Colour::BLACK, line);

@@ -34,6 +34,8 @@ pub(crate) struct Face {
     pub pieces: usize,
     /// Whether the body has an edge of its own at each edge (in the order of [`pneuflex_mesh::face::FaceFamily::edges`]); otherwise it goes on smoothly.
     pub is_edge: [bool; 4],
+    /// Whether it is of the body; of an obstacle otherwise.
+    pub is_of_body: bool,
 }
 
 /// The boundary of a deformed body.
@@ -95,7 +97,7 @@ impl Skin {
                     key.sort_unstable();
                     meeting.entry(key).or_default().push((faces.len(), edge, turned(rest)));
                 }
-                faces.push(Face { kind, vertices, pieces: *pieces, is_edge: [false; 4] });
+                faces.push(Face { kind, vertices, pieces: *pieces, is_edge: [false; 4], is_of_body: true });
             }
         }
         let limit = CREASE_DEG.to_radians().cos();
