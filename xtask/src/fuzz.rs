@@ -94,7 +94,7 @@ fn meshes(folder: &Path) -> Vec<Files> {
     paths.sort();
     let files = |path: &PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
-        let is_mesh = name.ends_with(".vtk") || name.ends_with(".msh");
+        let is_mesh = [".vtk", ".vtu", ".msh"].iter().any(|end| name.ends_with(end));
         let bytes = fs::read(path).ok().filter(|bytes| is_mesh && bytes.len() < MOST_BYTES)?;
         let text = format!(
             "[model]\nfile = \"{name}\"\n[[support]]\nnodes = {{ plane = {{ point = [0, 0, 0], normal = \"x\" }}, normal = \"-x\" }}\naxes = \

@@ -6,6 +6,7 @@ mod bench;
 mod cases;
 mod corpus;
 mod coverage;
+mod decks;
 mod estimates;
 mod fuzz;
 mod kills;
@@ -34,6 +35,8 @@ tasks:
             [--count N] [--seed S] [--only NUMBERS] [--cases FOLDER] [--limit SECONDS] [--jobs N]
   coverage  how often 95 % intervals of fits cover the constants that simulated curves were made of; fails outside of 90 to 99 %
             [--draws N]
+  decks     how many input decks of a folder run, and which keywords stop the rest
+            FOLDER [--limit SECONDS]
   estimates what `output.error_estimate` says of random designs, against the errors that a finer mesh shows, as a table
             [--count N] [--seed S] [--jobs N] [--docs]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
         Some("cases") if rest.is_empty() => cases::run(),
         Some("corpus") => corpus::run(&arguments[1..]),
         Some("coverage") => coverage::run(&arguments[1..]),
+        Some("decks") => decks::run(&arguments[1..]),
         Some("estimates") => estimates::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),

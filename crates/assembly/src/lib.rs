@@ -1,7 +1,7 @@
 //! Element kernels and their deterministic parallel assembly.
 //!
-//! A solver is given a list of [`Contribution`]s: [`Solid`], [`cavity::PressurisedFaces`], [`ConservativeLoads`], [`Equations`] and
-//! [`ContactForces`] here. Two levels that know nothing of each other put their blocks together:
+//! A solver is given a list of [`Contribution`]s: [`Solid`], [`cavity::PressurisedFaces`], [`ConservativeLoads`], [`Equations`],
+//! [`Distances`] and [`ContactForces`] here. Two levels that know nothing of each other put their blocks together:
 //!
 //! * local: a [`LocalContribution`] is a list of *blocks* (an element, a loaded face, a touching pair of faces); it knows
 //!   its nodes and computes energy, residual and tangent of one block. What a pressure's tangent has beside its symmetric part is in
@@ -24,6 +24,7 @@ pub mod cavity;
 pub mod conservative_load;
 pub mod contact;
 pub mod contribution;
+pub mod distances;
 pub mod elimination;
 pub mod equations;
 pub mod follower_pressure;
@@ -41,6 +42,7 @@ pub use contact::ContactForces;
 pub use contribution::{
     BorderedEquation, Contribution, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral,
 };
+pub use distances::Distances;
 pub use elimination::{CondensedBlocks, Elimination};
 pub use equations::Equations;
 pub use follower_pressure::FollowerPressure;

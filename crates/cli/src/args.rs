@@ -37,7 +37,7 @@ pub enum Command {
     Run(RunArguments),
     /// Check a case and print what would be solved, without solving
     #[command(after_help = examples::CHECK)]
-    Check(CaseArguments),
+    Check(CheckArguments),
     /// Write a commented case or model file to start from
     #[command(after_help = examples::NEW)]
     New(NewArguments),
@@ -85,6 +85,17 @@ pub struct CaseArguments {
     /// Change a key of the case, e.g. --set actuator.gap=1.5 or --set mesh.element=hex8-q1p0; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// Arguments of `pneuflex check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Write a page that shows the body with its cavities, supports, loads, contact, regions and choices in colours; it replaces what is there
+    #[arg(long, value_name = "FILE.html")]
+    pub picture: Option<PathBuf>,
 }
 
 impl CaseArguments {

@@ -1,17 +1,21 @@
 //! `pneuflex check`: what would be solved, without solving it.
 
-use pneuflex::Study;
+use std::fs;
 
-use crate::args::CaseArguments;
+use pneuflex::Study;
+use pneuflex::setup_page::setup_page;
+
+use crate::args::CheckArguments;
 use crate::error::CliError;
 use crate::terminal::{print_rows, say};
 
 /// Checks a case and prints what would be solved.
 ///
 /// # Errors
-/// Bad input.
-pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
-    let analysis = Study::load_with(&arguments.case, arguments.changes()?)?.build()?;
+/// Bad input, or a picture that cannot be written.
+pub fn check(arguments: &CheckArguments) -> Result<(), CliError> {
+    let CheckArguments { case, picture } = arguments;
+    let analysis = Study::load_with(&case.case, case.changes()?)?.build()?;
     for note in &analysis.notes {
         say(note);
     }
@@ -19,5 +23,11 @@ pub fn check(arguments: &CaseArguments) -> Result<(), CliError> {
         say(&warning.to_string());
     }
     print_rows(&analysis.overview().to_string());
+    if let Some(path) = picture {
+        let page = setup_page(&analysis)?;
+        fs::write(path, page)
+            .map_err(|error| CliError::Output(format!("{}: cannot be written: {error}", path.display())))?;
+        say(&format!("wrote {}", path.display()));
+    }
     Ok(())
 }

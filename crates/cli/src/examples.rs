@@ -15,7 +15,8 @@ Exit codes: 0 converged or followed past a limit point, 1 an output could not be
 pub const CHECK: &str = "\
 Examples:
   pneuflex check actuator.toml
-  pneuflex check actuator.toml --set actuator.chambers=12 --set mesh.resolution=fine";
+  pneuflex check actuator.toml --set actuator.chambers=12 --set mesh.resolution=fine
+  pneuflex check finger.toml --picture finger.html            look at cavities, supports and contact before solving";
 
 /// Of `pneuflex new`.
 pub const NEW: &str = "\

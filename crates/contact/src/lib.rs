@@ -4,7 +4,7 @@
 //! [`projection`] → the foot that counts ([`narrow_phase`], within one body by the rules of [`self_contact`]) → touching points →
 //! [`ContactBlock`]s, one per touching pair of faces or face on an [`obstacle`], each with its energy ½ k Σ w ⟨λ/k − d⟩², force and
 //! consistent tangent ([`potential`]). In mortar contact the points come from the pieces between the edges of faces ([`segments`]), and what
-//! has an energy is the gap averaged around a corner ([`averaging`], [`average_gap`]). The multipliers λ are the solver's; they are zero for a plain penalty.
+//! has an energy is the gap averaged around a corner ([`averaging`], [`average_gap`]). Surfaces that are glued together ([`tie`]) give equations. The multipliers λ are the solver's; they are zero for a plain penalty.
 //!
 //! This crate knows faces and positions only: nothing of solids, loads or solvers.
 
@@ -25,6 +25,7 @@ pub mod self_contact;
 mod stuck;
 pub mod surface;
 pub mod surface_pair;
+pub mod tie;
 pub mod touching;
 
 pub use average_gap::AverageGap;

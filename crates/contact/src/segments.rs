@@ -35,7 +35,23 @@ const MOST_PIECES: usize = 64;
 
 /// Integration points of a slave face with nodes at `nodes`, at rest at `rest`, against the corners of the master faces that are near.
 /// Areas are multiplied by `share`. A face that is bent too much to be seen in its plane has the points of the multiple-point rule.
-pub fn samples(kind: FaceKind, [nodes, rest]: [&[[f64; 3]]; 2], masters: &[&[[f64; 3]]], share: f64) -> Vec<Sample> {
+pub fn samples(kind: FaceKind, positions: [&[[f64; 3]]; 2], masters: &[&[[f64; 3]]], share: f64) -> Vec<Sample> {
+    samples_of(&Rule::of(kind), kind, positions, masters, share)
+}
+
+/// The same with enough points, however few the pieces, for the mass matrix of the face's shape functions to be regular.
+pub fn samples_for_masses(kind: FaceKind, nodes: &[[f64; 3]], masters: &[&[[f64; 3]]]) -> Vec<Sample> {
+    let rule = Rule { triangle: quadrature::triangle_16(), ..Rule::of(kind) };
+    samples_of(&rule, kind, [nodes; 2], masters, 1.0)
+}
+
+fn samples_of(
+    rule: &Rule,
+    kind: FaceKind,
+    [nodes, rest]: [&[[f64; 3]]; 2],
+    masters: &[&[[f64; 3]]],
+    share: f64,
+) -> Vec<Sample> {
     let area_at = |xi| share * unit_normal(&face_geometry(rest, &shape::evaluate_face(kind, xi)).tangents).1;
     let plane = Plane::of(kind, nodes);
     let corners: Vec<Point> = nodes[..kind.num_corners()].iter().map(|&x| plane.seen(x)).collect();
@@ -55,7 +71,6 @@ pub fn samples(kind: FaceKind, [nodes, rest]: [&[[f64; 3]]; 2], masters: &[&[[f6
             pieces = cut(pieces, &outline, size);
         }
     }
-    let rule = Rule::of(kind);
     let mut samples = Vec::new();
     for piece in &pieces {
         rule.each(piece, |x, weight| {

@@ -6,7 +6,7 @@
 //! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
 //! * [`inp`]: the meaning of such a deck → a problem with a schedule.
 //! * [`msh`]: Gmsh's `.msh` files → a mesh with named sets.
-//! * [`vtk`]: legacy `.vtk` files of VTK → the same.
+//! * [`vtk`], [`vtu`]: legacy `.vtk` and `.vtu` files of VTK → the same.
 //! * [`surface`]: surfaces of triangles, `.stl` and `.obj`, and what they bound.
 //! * [`report`]: places in files, what is wrong there, what is worth knowing.
 //!
@@ -21,6 +21,8 @@ pub mod report;
 pub mod surface;
 pub mod syntax;
 pub mod vtk;
+mod vtk_cells;
+pub mod vtu;
 
 pub use inp::{Deck, Label, Schedule, read};
 pub use report::{DeckError, Note};

@@ -6,13 +6,9 @@
 
 use std::collections::BTreeMap;
 
-use pneuflex_mesh::ElementKind;
-
-use crate::raw_mesh::{Form, MeshFile, RawElement, RawMesh};
+use crate::raw_mesh::{MeshFile, RawMesh};
 use crate::report::{DeckError, quoted};
-
-/// Data of cells with more values than this are no groups.
-const MOST_GROUPS: usize = 64;
+use crate::vtk_cells::{CellData, Cells, raw_mesh};
 
 /// Reads a `.vtk` file called `name` from its bytes.
 ///
@@ -75,9 +71,6 @@ impl Type {
     }
 }
 
-/// Data of cells: name and value of every cell.
-type CellData = Vec<(String, Vec<i64>)>;
-
 impl<'a> Reader<'a> {
     fn mesh(&mut self) -> Result<RawMesh, String> {
         let head = self.rest_of_line();
@@ -96,17 +89,17 @@ impl<'a> Reader<'a> {
             let hint = if dataset.eq_ignore_ascii_case("POLYDATA") { ", a surface without an inside" } else { "" };
             return Err(format!("the dataset is {}{hint}; only UNSTRUCTURED_GRID has elements", quoted(dataset)));
         }
-        let (mut mesh, mut cells, mut types) = (RawMesh::default(), None, None);
+        let (mut nodes, mut cells, mut types) = (BTreeMap::new(), None, None);
         let mut data: CellData = Vec::new();
         // Tuples of the data that follow; `None` before there are any, and whether they are the cells'.
         let mut tuples: Option<(u64, bool)> = None;
         while let Some(keyword) = self.next_word() {
             match keyword.to_ascii_uppercase().as_str() {
-                "POINTS" if mesh.nodes.is_empty() => {
+                "POINTS" if nodes.is_empty() => {
                     let (count, kind) = (self.whole()?, Type::of(self.word()?)?);
                     self.begin(count.saturating_mul(3), kind)?;
                     for tag in 0..count {
-                        mesh.nodes.insert(tag, [self.real(kind)?, self.real(kind)?, self.real(kind)?]);
+                        nodes.insert(tag, [self.real(kind)?, self.real(kind)?, self.real(kind)?]);
                     }
                 }
                 "CELLS" if cells.is_none() => cells = Some(self.cells()?),
@@ -132,24 +125,7 @@ impl<'a> Reader<'a> {
         }
         let (cells, line) = cells.ok_or("the file has no CELLS")?;
         let (types, _) = types.ok_or("the file has no CELL_TYPES")?;
-        if cells.len() != types.len() {
-            return Err(format!("{} cells have {} types", cells.len(), types.len()));
-        }
-        let mut groups: BTreeMap<Vec<String>, i64> = BTreeMap::new();
-        data.retain(|(_, values)| is_group(values) && values.len() == types.len());
-        for (number, (nodes, kind)) in cells.into_iter().zip(types).enumerate() {
-            let Some((form, nodes)) = cell(kind, nodes).map_err(|why| format!("cell {number}: {why}"))? else {
-                continue;
-            };
-            let names: Vec<String> = data.iter().map(|(name, values)| format!("{name}_{}", values[number])).collect();
-            let next = groups.len() as i64;
-            let group = *groups.entry(names).or_insert(next);
-            mesh.elements.push(RawElement { tag: number as u64, form, group, nodes, line });
-        }
-        for (names, group) in groups {
-            mesh.groups.extend((0..4).map(|dimension| ((dimension, group), names.clone())));
-        }
-        Ok(mesh)
+        raw_mesh(nodes, Cells { nodes: cells, types, data, line })
     }
 
     /// Nodes of every cell, and the line behind which they stand.
@@ -381,45 +357,4 @@ impl<'a> Reader<'a> {
 
 fn whole(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("{} is not a whole number of 0 or more", quoted(text)))
-}
-
-/// Whether data of cells have few values.
-fn is_group(values: &[i64]) -> bool {
-    let mut known = std::collections::BTreeSet::new();
-    values.iter().all(|value| known.contains(value) || known.len() < MOST_GROUPS && known.insert(*value))
-}
-
-/// What a cell of a type is, with its nodes in our order; `None` for what bounds no volume.
-fn cell(kind: i64, nodes: Vec<u64>) -> Result<Option<(Form, Vec<u64>)>, String> {
-    let swapped = |order: &[usize]| order.iter().filter_map(|&i| nodes.get(i).copied()).collect::<Vec<u64>>();
-    let (form, count, nodes) = match kind {
-        1 => (Form::Piece(1), 1, nodes),
-        3 | 21 => (Form::Piece(2), if kind == 3 { 2 } else { 3 }, nodes),
-        5 => (Form::Piece(3), 3, nodes),
-        22 => (Form::Piece(3), 6, nodes),
-        8 => (Form::Piece(4), 4, swapped(&[0, 1, 3, 2])),
-        9 => (Form::Piece(4), 4, nodes),
-        23 => (Form::Piece(4), 8, nodes),
-        28 => (Form::Piece(4), 9, nodes),
-        10 => (Form::Solid(ElementKind::Tet10, true), 4, nodes),
-        13 => (Form::Solid(ElementKind::Wedge15, true), 6, nodes),
-        11 => (Form::Solid(ElementKind::Hex8, false), 8, swapped(&[0, 1, 3, 2, 4, 5, 7, 6])),
-        // Lines and surfaces of many pieces name nothing.
-        0 | 2 | 4 | 6 | 7 => return Ok(None),
-        _ => {
-            let known = |family: &ElementKind| i64::from(family.vtk_cell_type) == kind && family.gmsh.number.is_some();
-            let family = ElementKind::ALL.into_iter().find(known).ok_or_else(|| {
-                format!(
-                    "VTK's type {kind}{} is not supported; volumes must be meshed with hexahedra of 8, 20 or 27 nodes, wedges of 6, 15 or 18 \
-                     or tetrahedra of 4 or 10",
-                    if [14, 27, 37].contains(&kind) { ", a pyramid," } else { "" }
-                )
-            })?;
-            (Form::Solid(family, false), family.num_nodes(), nodes)
-        }
-    };
-    if nodes.len() != count {
-        return Err(format!("it has {} nodes instead of {count}", nodes.len()));
-    }
-    Ok(Some((form, nodes)))
 }

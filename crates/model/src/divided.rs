@@ -7,7 +7,7 @@ use pneuflex_mesh::{AddedNode, Division, Facet, Place, Torn};
 
 use crate::load::{Cavity, Load};
 use crate::obstacle::Obstacle;
-use crate::problem::{ContactPair, Given, Problem, Region};
+use crate::problem::{ContactPair, Given, Problem, Region, Tie};
 
 /// Why a problem cannot be put on a finer mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,7 +35,7 @@ impl Problem {
     /// # Errors
     /// What says nothing of nodes that are added.
     pub fn divided(&self) -> Result<(Self, Division), Undividable> {
-        if !self.equations.is_empty() {
+        if !(self.equations.is_empty() && self.distances.is_empty()) {
             return Err(Undividable::Equations);
         }
         let held = self.held_between_supports();
@@ -69,6 +69,9 @@ impl Problem {
                 .map(|cavity| Cavity { facets: facets(&cavity.facets), ..cavity.clone() })
                 .collect(),
             loads: loads.collect::<Result<_, _>>()?,
+            ties: (self.ties.iter())
+                .map(|tie| Tie { slave: facets(&tie.slave), master: facets(&tie.master), ..tie.clone() })
+                .collect(),
             contact_pairs: (self.contact_pairs.iter())
                 .map(|pair| ContactPair { slave: facets(&pair.slave), master: facets(&pair.master), ..pair.clone() })
                 .collect(),

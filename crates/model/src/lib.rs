@@ -55,7 +55,7 @@ pub use material::Material;
 pub use obstacle::{Obstacle, Shape};
 pub use obstacle_table::{ObstacleTable, ShapeName};
 pub use options::{Contact, ContactMethod, Continuation, Load, MeshOptions, Output, Probe, Resolution, Size, Solver};
-pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support};
+pub use problem::{Clock, ContactPair, OpenCavity, Problem, Region, Support, Tie};
 pub use quantity::{LoadParameter, Pressure};
 pub use range_check::CaseError;
 pub use series::Series;

@@ -29,6 +29,10 @@ pub struct Problem {
     pub supports: Vec<Support>,
     /// Linear equations between displacements.
     pub equations: Vec<LinearEquation>,
+    /// Pairs of nodes whose distance stays what it is at rest, whatever their displacements. With linear equations they make rigid bodies.
+    pub distances: Vec<[u32; 2]>,
+    /// Surfaces that are glued to each other. A solver is given the equations that they stand for.
+    pub ties: Vec<Tie>,
     /// Spaces filled with air.
     pub cavities: Vec<Cavity>,
     /// Other loads.
@@ -117,6 +121,19 @@ pub struct Support {
     pub motion: Option<Motion>,
 }
 
+/// Two surfaces that are glued to each other, whether or not their faces match.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tie {
+    /// Name in reports.
+    pub name: String,
+    /// Faces whose nodes follow.
+    pub slave: Vec<Facet>,
+    /// Faces that they follow.
+    pub master: Vec<Facet>,
+    /// Parts of the slave further than this from the master are not glued, mm; `None` for a tenth of its faces' size.
+    pub tolerance: Option<f64>,
+}
+
 /// Two surfaces that may touch, or one that may touch itself if both lists are the same. Points of the slave are kept from passing
 /// through the master.
 ///
@@ -170,6 +187,8 @@ impl Problem {
             regions: Vec::new(),
             supports: Vec::new(),
             equations: Vec::new(),
+            distances: Vec::new(),
+            ties: Vec::new(),
             cavities: Vec::new(),
             loads: Vec::new(),
             contact: Contact { method: ContactMethod::None, ..Contact::default() },

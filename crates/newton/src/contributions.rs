@@ -1,7 +1,7 @@
 //! The contributions of a problem, in the order in which they are added.
 
 use pneuflex_assembly::cavity::{PressurisedFaces, Supply};
-use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Equations, NodeSprings, Solid};
+use pneuflex_assembly::{ConservativeLoads, ContactForces, Contribution, Distances, Equations, NodeSprings, Solid};
 use pneuflex_model::load::Load;
 use pneuflex_model::{LinearEquation, Pressure, Problem};
 
@@ -10,16 +10,19 @@ use crate::holding_springs::{dampers_of, springs_of};
 use crate::state::State;
 
 /// The list of a problem's contributions: solid, cavities, pressures on other faces, conservative loads, linear equations,
-/// springs of what contact holds, contact, dampers of a body that may snap (`is_damped`). A new
+/// fixed distances, springs of what contact holds, contact, dampers of a body that may snap (`is_damped`). A new
 /// kind of contribution is added here. `equations` are the linear equations that have not been eliminated.
 ///
 /// # Errors
-/// [`SetupError`] if an element is degenerate, or the volume of an open cavity matters.
+/// [`SetupError`] if an element is degenerate, the volume of an open cavity matters, or ties are not written as equations ([`crate::glued`]).
 pub fn contributions_of(
     problem: &Problem,
     equations: &[LinearEquation],
     is_damped: bool,
 ) -> Result<Vec<Box<dyn Contribution>>, SetupError> {
+    if let Some(tie) = problem.ties.first() {
+        return Err(SetupError::Tie(tie.name.clone()));
+    }
     let (materials, material_of) = problem.materials();
     let solid = Solid::of_materials(problem.mesh.clone(), problem.formulation, &materials, material_of)?;
     let mut list: Vec<Box<dyn Contribution>> = vec![Box::new(solid)];
@@ -33,6 +36,7 @@ pub fn contributions_of(
     }
     list.push(Box::new(ConservativeLoads::of(problem)));
     list.push(Box::new(Equations::of(problem, equations)));
+    list.push(Box::new(Distances::of(problem)));
     list.push(Box::new(NodeSprings::new(&springs_of(problem), problem.mesh.num_nodes())));
     list.push(Box::new(ContactForces::of(problem)));
     if is_damped {

@@ -18,6 +18,9 @@ pub enum SetupError {
     /// The volume of a cavity is asked for that is open.
     #[error(transparent)]
     Cavity(#[from] OpenCavity),
+    /// Surfaces are to be glued, but not by equations yet.
+    #[error("tie {0} is not written as equations")]
+    Tie(String),
 }
 
 /// Why a state could not be assembled, or its equations not be solved.

@@ -41,6 +41,7 @@ pub mod system;
 pub mod tangent_solver;
 #[cfg(test)]
 mod testing;
+pub mod tied;
 pub mod timing;
 mod tuning;
 mod unilateral;
@@ -58,5 +59,6 @@ pub use rigid_motion::{LoosePart, loose_parts};
 pub use state::{Correction, Equilibrium, State};
 pub use system::System;
 pub use tangent_solver::{Assembled, Tangent};
+pub use tied::{TieError, glued};
 pub use timing::{PathReport, Timing};
 pub use unstable_motion::UnstableMotions;

@@ -219,6 +219,7 @@ pub fn expected(problem: &Problem, actuator: &Actuator, mesh: &MeshOptions, step
     let is_air_alone = problem.loads.is_empty()
         && problem.obstacles.is_empty()
         && problem.equations.is_empty()
+        && problem.distances.is_empty()
         && problem.supports.iter().all(|support| support.motion.is_none())
         && problem.cavities.len() == 1;
     let angle = |step: &StepSummary| step.end_face_angle_deg.map(|angle| angle / actuator.chambers as f64);

@@ -9,7 +9,7 @@ use pneuflex_model::model_file::Model;
 use pneuflex_model::{
     Case, CaseError, Contact, Formulation, LoadParameter, Output, Probe, Problem, Solver, Undividable,
 };
-use pneuflex_newton::ConvergedState;
+use pneuflex_newton::{ConvergedState, TieError, glued};
 use pneuflex_post::summary::{Described, StepSummary, probe_sites};
 
 use crate::accuracy::{Expected, expected};
@@ -213,9 +213,13 @@ impl Analysis {
         if !refused.is_empty() {
             return Err(refused);
         }
+        let value = || model.model.as_ref().map_or(String::new(), |source| source.file.to_string());
+        let said =
+            |why: TieError| vec![CaseError { key: "model.file".into(), value: value(), allowed: why.to_string() }];
+        let (problem, of_ties) = glued(study.problem).map_err(said)?;
         Ok(Self {
             title: model.title.clone(),
-            problem: study.problem,
+            problem,
             requested: study.times.into_iter().map(LoadParameter).collect(),
             solver: study.solver,
             probes: model.probes.clone(),
@@ -223,7 +227,7 @@ impl Analysis {
             path: path.to_owned(),
             description: Description::Body(Box::new(model)),
             hollows: study.hollows,
-            notes: study.notes,
+            notes: study.notes.into_iter().chain(of_ties).collect(),
             undressed,
         })
     }
@@ -266,7 +270,8 @@ impl Analysis {
     /// What it says of single nodes, and so nothing of those that a finer mesh has between them.
     pub(crate) fn says_nothing_of_finer_meshes(&self) -> Option<Undividable> {
         let (model, undressed) = (self.description.model()?, self.undressed.as_ref()?);
-        if !model.equations.is_empty() || !undressed.body.equations.is_empty() {
+        let body = &undressed.body;
+        if !(model.equations.is_empty() && body.equations.is_empty() && body.distances.is_empty()) {
             return Some(Undividable::Equations);
         }
         let is_force = |load: &Load| matches!(load, Load::Force { .. });

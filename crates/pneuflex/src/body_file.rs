@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pneuflex_deck::{msh, vtk};
+use pneuflex_deck::{msh, vtk, vtu};
 use pneuflex_model::model_file::Source;
 use pneuflex_model::{Formulation, Problem};
 
@@ -99,8 +99,9 @@ pub fn read_body(
             files,
         });
     }
-    let reader =
-        [("msh", msh::read as MeshReader), ("vtk", vtk::read)].into_iter().find(|(end, _)| has_extension(path, end));
+    let reader = [("msh", msh::read as MeshReader), ("vtk", vtk::read), ("vtu", vtu::read)]
+        .into_iter()
+        .find(|(end, _)| has_extension(path, end));
     let (mesh, formulation, mut notes): (_, _, Vec<String>) = if let Some((_, read)) = reader {
         let read = read(&shown, &bytes).map_err(wrong)?;
         let unknown = || InputError::about_file(path, format!("{} cannot be solved", read.mesh.words()));

@@ -68,7 +68,7 @@ pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
     let (what, help) = match Kind::of(path, bytes) {
         Some(Kind::LfsPointer) => return lfs_pointer(path),
         Some(Kind::Mesh) => {
-            ("is a mesh, and the names of meshes end in .msh (Gmsh) or .vtk", "save it under such a name".into())
+            ("is a mesh, and the names of meshes end in .msh (Gmsh), .vtk or .vtu", "save it under such a name".into())
         }
         Some(Kind::Deck) => ("is an input deck, whose names end in .inp", "save it under such a name".into()),
         Some(Kind::Surface) => {
@@ -85,8 +85,7 @@ pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
 }
 
 /// What can be read.
-const KNOWN: &str =
-    "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, meshes of Gmsh in .msh, of VTK in .vtk";
+const KNOWN: &str = "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, meshes of Gmsh in .msh, of VTK in .vtk or .vtu";
 
 /// Says of a file that it stands for another one, if it does.
 pub fn pointer(path: &Path, bytes: &[u8]) -> Option<InputError> {
@@ -112,7 +111,7 @@ fn export_first() -> String {
 }
 
 fn convert_first() -> String {
-    "convert it to a .msh of Gmsh, a legacy .vtk or an .inp deck first, e.g. by meshio (`meshio convert a.vtu a.vtk`)"
+    "convert it to a .msh of Gmsh, a .vtu of VTK or an .inp deck first, e.g. by meshio (`meshio convert a.med a.vtu`)"
         .into()
 }
 
@@ -127,15 +126,15 @@ impl Kind {
         Some(match extension.as_deref().unwrap_or("") {
             _ if is_lfs_pointer(head) => Self::LfsPointer,
             _ if text.starts_with("$MeshFormat") || text.starts_with("# vtk DataFile") => Self::Mesh,
-            "msh" | "vtk" => Self::Mesh,
+            "msh" | "vtk" | "vtu" => Self::Mesh,
             "stl" | "obj" => Self::Surface,
             _ if text.starts_with("solid") && text.contains("facet normal") => Self::Surface,
             "csv" | "tsv" | "xls" | "xlsx" | "ods" => Self::Table,
             "step" | "stp" | "iges" | "igs" | "brep" => Self::Geometry,
             "geo" | "geo_unrolled" | "sldprt" | "fcstd" | "3mf" => Self::OtherGeometry,
             _ if text.starts_with("ISO-10303-21") => Self::Geometry,
-            "vtu" | "vtp" | "vtm" | "off" | "ply" | "nas" | "bdf" | "fem" | "cdb" | "med" | "unv" | "mesh"
-            | "meshb" | "e" | "exo" | "xdmf" | "odb" | "frd" | "k" => Self::OtherMesh,
+            "vtp" | "vtm" | "off" | "ply" | "nas" | "bdf" | "fem" | "cdb" | "med" | "unv" | "mesh" | "meshb" | "e"
+            | "exo" | "xdmf" | "odb" | "frd" | "k" => Self::OtherMesh,
             _ if is_keyword(first) => Self::Deck,
             "json" | "jsonl" => Self::Json,
             _ if text.starts_with('{') => Self::Json,
@@ -166,7 +165,7 @@ mod tests {
             ("part", b"solid part\n facet normal 0 0 1\n", "surface of triangles"),
             ("curve.csv", b"1;2\n", "pneuflex fit"),
             ("part.step", b"ISO-10303-21;", "geometry"),
-            ("body.vtu", b"<VTKFile>", "meshio"),
+            ("body.vtp", b"<VTKFile>", "meshio"),
             ("summary.json", b"{\"program\": 1}", "case.toml"),
             ("page", b"\x7fELF\x00\x00", "format is unknown"),
             ("case.toml", b"version https://git-lfs.github.com/spec/v1\noid sha256:1\n", "git lfs pull"),

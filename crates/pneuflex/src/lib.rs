@@ -114,6 +114,7 @@
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`], [`picture`] | result folders |
+//! | [`setup_page`] | a picture of what would be solved |
 //! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
 //! | [`document`] | case and model files as texts with places |
 
@@ -159,6 +160,7 @@ pub mod recorder;
 mod refusals;
 pub mod report_page;
 pub mod run;
+pub mod setup_page;
 pub mod solution;
 pub mod start;
 pub mod start_model;

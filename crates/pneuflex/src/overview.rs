@@ -281,6 +281,9 @@ fn rows_of_model(analysis: &Analysis) -> Vec<OverviewRow> {
         let terms: usize = problem.equations.iter().map(|equation| equation.terms.len()).sum();
         row("equations", format!("{} with {}", number(problem.equations.len()), plural(terms, "term")));
     }
+    if !problem.distances.is_empty() {
+        row("rigid", format!("{} between nodes stay what they are", plural(problem.distances.len(), "distance")));
+    }
     for cavity in &problem.cavities {
         let control = match &cavity.control {
             Control::Pressure(pressure) => format!("pressure {} kPa", curve(pressure, 1000.0)),

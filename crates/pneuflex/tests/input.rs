@@ -380,3 +380,46 @@ fn pressures_of_single_chambers_ask_for_air_of_their_own() {
         "unknown key",
     );
 }
+
+/// A mesh of VTK tetrahedra without any groups, as users of SOFA have them, runs with a model file of five lines: its hollow is found.
+#[test]
+fn a_hollow_mesh_of_vtk_needs_five_lines() {
+    let corner = |i: usize| [i % 4, i / 4 % 4, i / 16];
+    let number = |[i, j, k]: [usize; 3]| i + 4 * (j + 4 * k);
+    let mut cells = String::new();
+    let mut count = 0;
+    for cell in (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]).filter(|cell| *cell != [1, 1, 1]) {
+        let at = |c: usize| number(std::array::from_fn(|d| cell[d] + (c >> d & 1)));
+        // Around the diagonal from the first corner to the last; neighbours fit.
+        for [a, b] in [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]] {
+            cells += &format!("{} {} {} {}\n", at(0), at(a), at(b), at(7));
+            count += 1;
+        }
+    }
+    let points: String = (0..64).map(corner).map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let offsets: String = (1..=count).map(|i| format!("{} ", 4 * i)).collect();
+    let types = "10 ".repeat(count);
+    let array = |name: &str, kind: &str, text: &str| {
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{}\" format=\"ascii\">{text}</DataArray>\n",
+            if name == "Points" { 3 } else { 1 }
+        )
+    };
+    let vtu = format!(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\"><UnstructuredGrid>\n<Piece NumberOfPoints=\"64\" \
+         NumberOfCells=\"{count}\"><Points>{}</Points><Cells>{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>\n",
+        array("Points", "Float32", &points),
+        array("connectivity", "Int64", &cells),
+        array("offsets", "Int64", &offsets),
+        array("types", "UInt8", &types)
+    );
+    let model = "model = { file = \"hollow.vtu\" }\nmaterial = { law = \"neo-hooke\", c10 = 0.1 }\nsupport = [{ nodes = { plane = { point = [0, 0, 0], \
+                 normal = \"x\" } }, axes = \"xyz\" }]\ncavity = [{ name = \"air\", faces = \"cavity_1\", pressure_kpa = 4 }]\nload = { times = [1.0] }\n";
+    let files = [("model.toml", model.to_owned()), ("hollow.vtu", vtu)]
+        .map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let analysis = Study::from_files("model.toml", files).unwrap().build().unwrap();
+    assert_eq!(analysis.problem.cavities[0].facets.len(), 12);
+    let (_, hollow) = &analysis.hollows[0];
+    assert!((hollow.volume - 1.0).abs() < 1e-12 && hollow.mouth.is_none());
+    assert!((analysis.problem.mesh.volume() - 26.0).abs() < 1e-9);
+}

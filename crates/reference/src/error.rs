@@ -19,6 +19,9 @@ pub enum Unmodelled {
     /// Gaps that are averaged.
     #[error("mortar contact (contact.method = \"mortar\")")]
     Mortar,
+    /// Nodes that keep their distance, and surfaces that are glued.
+    #[error("rigid bodies and glued surfaces")]
+    Rigid,
     /// The full invariant in a law that is defined by the isochoric ones.
     #[error("the full invariant in a law other than Yeoh's and neo-Hooke's")]
     FullInvariant,

@@ -7,7 +7,7 @@ use pneuflex_model::{Curve, LinearEquation, LoadParameter, Motion, Problem, Supp
 use crate::cavity::CavityModel;
 use crate::conservative_load::ConservativeLoads;
 use crate::contact::ContactModel;
-use crate::error::ReferenceError;
+use crate::error::{ReferenceError, Unmodelled};
 use crate::follower_pressure::FollowerPressure;
 use crate::kkt::{Constraint, KktSystem};
 use crate::obstacle::ObstacleModel;
@@ -115,6 +115,8 @@ impl ReferenceSolver {
             regions: _,
             supports,
             equations,
+            distances,
+            ties,
             cavities,
             loads,
             // By `ContactModel`.
@@ -127,6 +129,9 @@ impl ReferenceSolver {
             clock: _,
             given: _,
         } = problem;
+        if !(distances.is_empty() && ties.is_empty()) {
+            return Err(ReferenceError::NotModelled { part: Unmodelled::Rigid, name: "distances, ties".into() });
+        }
         let held = problem.held_dofs().iter().enumerate().filter(|(_, held)| **held).map(|(dof, _)| dof).collect();
         let pressures = loads.iter().filter_map(|load| match load {
             Load::Pressure { facets, curve } => {

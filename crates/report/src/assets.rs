@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 19] = [
+const MODULES: [(&str, &str); 20] = [
     ("three", include_str!("../assets/vendor/three.module.min.js")),
     ("three/orbit-controls", include_str!("../assets/vendor/OrbitControls.js")),
     ("pneuflex/main", include_str!("../assets/js/main.js")),
@@ -24,6 +24,7 @@ const MODULES: [(&str, &str); 19] = [
     ("pneuflex/probe", include_str!("../assets/js/probe.js")),
     ("pneuflex/transport", include_str!("../assets/js/transport.js")),
     ("pneuflex/plots", include_str!("../assets/js/plots.js")),
+    ("pneuflex/setup", include_str!("../assets/js/setup.js")),
     ("pneuflex/snapshot", include_str!("../assets/js/snapshot.js")),
 ];
 

@@ -9,6 +9,7 @@
 //! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
 //! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table.
 //! * [`quantise`]: lists of numbers as text with a known error.
+//! * [`setup`]: the page of what would be solved, before it is.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
 //!
 //! Units: mm, MPa, pressures in kPa. In the browser, the modules in `assets/js` do the rest; `assets/js/main.js` is the place
@@ -26,6 +27,7 @@ pub mod quantise;
 mod report;
 pub mod results;
 pub mod series;
+pub mod setup;
 pub mod skin;
 pub mod state;
 pub mod subdivision;

@@ -10,7 +10,7 @@ use crate::results::results;
 use crate::tables::{exactness, inputs, notices, status_text};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
+pub(crate) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
                       base-uri 'none'; form-action 'none'";
 
 const PLAY: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path class="play" d="M8 5.5v13l11-6.5z"/><path class="pause" d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>"#;
@@ -79,7 +79,7 @@ fn masthead(report: &Report<'_>, title: &str) -> Markup {
 fn viewer(report: &Report<'_>) -> Markup {
     html! {
         section .viewer aria-label={ "The deformed " (report.noun()) } {
-            @if report.states.is_some() { (stage(report.noun())) } @else {
+            @if report.states.is_some() { (stage(report.noun(), true)) } @else {
                 p .notice {
                     "There is no view of the deformed " (report.noun()) ": the run wrote no fields (" code { "output.fields = false" }
                     "). Run the case with " code { "--set output.fields=true" } " to have it."
@@ -91,7 +91,8 @@ fn viewer(report: &Report<'_>) -> Markup {
     }
 }
 
-fn stage(noun: &str) -> Markup {
+/// The canvas with what lies over it; `has_values` says whether a click reads some.
+pub(crate) fn stage(noun: &str, has_values: bool) -> Markup {
     let view = |name: &str, label: &str, key: &str| {
         html! { button type="button" data-view=(name) title={ "View: " (name) " (" (key) ")" } { (label) } }
     };
@@ -106,8 +107,8 @@ fn stage(noun: &str) -> Markup {
                     button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
                 }
                 p #hint .hint {
-                    span .pointer { "Drag to turn, right button to shift, wheel to zoom, click to read values." }
-                    span .touch { "Drag to turn, two fingers to shift and zoom, tap to read values." }
+                    span .pointer { "Drag to turn, right button to shift, wheel to zoom" @if has_values { ", click to read values" } "." }
+                    span .touch { "Drag to turn, two fingers to shift and zoom" @if has_values { ", tap to read values" } "." }
                     span .hidden { " Keys: arrows turn, plus and minus zoom, 1, 2, 3 and 0 choose a view, space plays." }
                 }
                 p #no-view .notice hidden {

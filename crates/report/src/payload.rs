@@ -143,7 +143,7 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State], series: &Series) -> R
 }
 
 /// Centre of the box around points.
-fn centre(points: &[[f64; 3]]) -> [f64; 3] {
+pub(crate) fn centre(points: &[[f64; 3]]) -> [f64; 3] {
     let end = |d: usize, of: fn(f64, f64) -> f64| points.iter().map(|x| x[d]).reduce(of).unwrap_or(0.0);
     [0, 1, 2].map(|d| 0.5 * (end(d, f64::min) + end(d, f64::max)))
 }

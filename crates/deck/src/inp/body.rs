@@ -8,6 +8,7 @@ use pneuflex_mesh::{Facet, Mesh};
 use super::context::Context;
 use super::element_types::Family;
 use super::outline::{Item, Outline, Scope};
+use super::references::nodes_of_constraints;
 use crate::jacobian::inverted_elements;
 use crate::mid_edges::{UNMATCHED, completed_mesh, note_on_families, unmatched_elements};
 use crate::report::{Place, quoted};
@@ -24,9 +25,11 @@ pub(super) struct Body {
     pub families: Vec<Family>,
     /// Without sets.
     pub mesh: Mesh,
-    /// Our numbers of the nodes that belong to an element.
+    /// Our numbers of the nodes that belong to an element, or to a constraint.
     pub nodes: BTreeMap<Number, u32>,
-    /// Nodes that belong to none.
+    /// Those of them that belong to constraints alone, by our numbers.
+    pub references: BTreeSet<u32>,
+    /// Nodes that belong to nothing.
     pub lone_nodes: BTreeSet<Number>,
     /// Our numbers of the elements.
     pub elements: BTreeMap<Number, u32>,
@@ -71,6 +74,7 @@ impl Body {
             }
             return None;
         };
+        let named = nodes_of_constraints(outline, context);
         let scopes = std::mem::take(&mut outline.scopes);
         let mut is_used: BTreeMap<Number, u32> = BTreeMap::new();
         let mut whole = true;
@@ -85,6 +89,8 @@ impl Body {
         if !whole {
             return None;
         }
+        let of_elements: BTreeSet<Number> = is_used.keys().copied().collect();
+        is_used.extend(named.into_iter().filter(|number| written.contains_key(number)).map(|number| (number, 0)));
         for (number, index) in is_used.iter_mut().zip(0..) {
             *number.1 = index;
         }
@@ -109,6 +115,7 @@ impl Body {
             families: elements.iter().map(|element| element.family).collect(),
             node_numbers: nodes.keys().copied().collect(),
             mesh,
+            references: nodes.iter().filter(|(number, _)| !of_elements.contains(number)).map(|(_, &n)| n).collect(),
             nodes,
             lone_nodes,
             elements: elements.iter().map(|e| e.number).zip(0..).collect(),

@@ -1,6 +1,6 @@
 //! Held and moved nodes, linear equations between displacements.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use pneuflex_model::{Curve, LinearEquation, Motion, Support};
 
@@ -14,24 +14,40 @@ use crate::mid_edges::MidEdges;
 use crate::report::{Place, quoted};
 use crate::syntax::DataLine;
 
-/// Node and axis.
-type Component = (u32, u8);
+/// Node and axis; of reference nodes rotations, too.
+pub(super) type Component = (u32, u8);
 
-/// Axes that a name holds, for solids: rotations do not count.
-const NAMED: [(&str, &[u8]); 5] =
-    [("PINNED", &[0, 1, 2]), ("ENCASTRE", &[0, 1, 2]), ("XSYMM", &[0]), ("YSYMM", &[1]), ("ZSYMM", &[2])];
+/// Axes that are rotations.
+pub(super) const ROTATIONS: std::ops::Range<u8> = 3..6;
+
+/// Axes that a name holds.
+const NAMED: [(&str, &[u8]); 5] = [
+    ("PINNED", &[0, 1, 2]),
+    ("ENCASTRE", &[0, 1, 2, 3, 4, 5]),
+    ("XSYMM", &[0, 4, 5]),
+    ("YSYMM", &[1, 3, 5]),
+    ("ZSYMM", &[2, 3, 4]),
+];
+
+/// What supports are read from: the body and its sets, the steps, nodes that can turn.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub body: &'a Body,
+    pub sets: &'a AllSets,
+    pub times: &'a Times,
+    pub turning: &'a BTreeSet<u32>,
+}
 
 /// Reads all `*BOUNDARY`.
 pub(super) fn read_supports(
     outline: &Outline<'_>,
-    body: &Body,
-    sets: &AllSets,
-    times: &Times,
+    known: Known<'_>,
     context: &mut Context<'_>,
 ) -> Histories<Component> {
+    let Known { body, times, .. } = known;
     let mut held: Histories<Component> = BTreeMap::new();
     for item in outline.of_step("BOUNDARY", None) {
-        read_block(item, body, sets, times, &mut held, context);
+        read_block(item, known, &mut held, context);
     }
     for step in 0..times.steps.len() as u32 {
         let mut renewed: Option<Place> = None;
@@ -40,7 +56,7 @@ pub(super) fn read_supports(
             if item.block.word("OP").is_some_and(|word| word == "NEW") {
                 renewed.get_or_insert(item.block.place);
             }
-            read_block(item, body, sets, times, &mut held, context);
+            read_block(item, known, &mut held, context);
         }
         let Some(place) = renewed else { continue };
         if step == 0 {
@@ -58,9 +74,7 @@ pub(super) fn read_supports(
 
 fn read_block(
     item: Item<'_>,
-    body: &Body,
-    sets: &AllSets,
-    times: &Times,
+    Known { body, sets, times, turning }: Known<'_>,
     held: &mut Histories<Component>,
     context: &mut Context<'_>,
 ) {
@@ -86,8 +100,13 @@ fn read_block(
             context.error(line.place, "the displacement is too large a number");
         }
         let name = if nodes.len() == 1 && body.node(item.scope, target).is_some() { "nodes" } else { target };
+        let is_left_out = |node: u32, axis: u8| ROTATIONS.contains(&axis) && !turning.contains(&node);
+        let is_named = fields.get(1).is_some_and(|field| field.starts_with(|c: char| c.is_alphabetic()));
+        if !is_named && nodes.iter().any(|&node| axes.iter().any(|&axis| is_left_out(node, axis))) {
+            context.note(line.place, "*BOUNDARY: nodes of solids have no rotations; directions 4 to 6 are left out");
+        }
         for &node in &nodes {
-            for &axis in &axes {
+            for &axis in axes.iter().filter(|axis| !is_left_out(node, **axis)) {
                 let event = item.step.map(|step| Event { step, value, amplitude });
                 if let Err(why) = hold(held, (node, axis), name, line.place, event, value) {
                     let text = format!("node {}, direction {}: {why}", body.node_name(node), axis + 1);
@@ -133,10 +152,7 @@ fn read_axes(line: &DataLine, rest: &[&str], context: &mut Context<'_>) -> Optio
         context.error(line.place, format!("*BOUNDARY: directions {first} to {last} are not within 1 to 3"));
         return None;
     }
-    if last > 3 {
-        context.note(line.place, "*BOUNDARY: nodes of solids have no rotations; directions 4 to 6 are left out");
-    }
-    Some(((first..=last.min(3)).map(|direction| direction as u8 - 1).collect(), value))
+    Some(((first..=last).map(|direction| direction as u8 - 1).collect(), value))
 }
 
 fn hold(

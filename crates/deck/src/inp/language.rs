@@ -28,7 +28,7 @@ use Treatment::{LeftOut, Refused, Understood};
 const MESH: &str = "write nodes and elements out";
 const SHAPES: &str = "only solids of hexahedra or tetrahedra are solved";
 const PHYSICS: &str = "only static equilibria of hyperelastic solids are solved";
-const TIES: &str = "surfaces and nodes can only be coupled by *EQUATION, or share nodes";
+const TIES: &str = "surfaces and nodes are coupled by *TIE, *COUPLING, *RIGID BODY, *MPC and *EQUATION, or share nodes";
 
 /// Keywords in capitals without blanks, as in `SOLIDSECTION`.
 const KEYWORDS: &[(&str, Treatment)] = &[
@@ -57,6 +57,12 @@ const KEYWORDS: &[(&str, Treatment)] = &[
     ("SOLIDSECTION", Understood(Model, &["ELSET", "MATERIAL", "CONTROLS"])),
     ("BOUNDARY", Understood(Both, &["OP", "AMPLITUDE", "TYPE", "INPUT"])),
     ("EQUATION", Understood(Model, &["INPUT"])),
+    ("TIE", Understood(Model, &["NAME", "ADJUST", "POSITIONTOLERANCE", "TYPE", "NOROTATION"])),
+    ("RIGIDBODY", Understood(Model, &["NSET", "ELSET", "TIENSET", "PINNSET", "REFNODE", "ROTNODE"])),
+    ("COUPLING", Understood(Model, &["CONSTRAINTNAME", "REFNODE", "SURFACE"])),
+    ("KINEMATIC", Understood(Model, &[])),
+    ("DISTRIBUTING", Understood(Model, &["WEIGHTINGMETHOD"])),
+    ("MPC", Understood(Model, &["INPUT"])),
     ("AMPLITUDE", Understood(Model, &["NAME", "DEFINITION", "TIME", "VALUE", "INPUT"])),
     ("STEP", Understood(Model, &["NLGEOM", "INC", "NAME", "AMPLITUDE", "UNSYMM", "EXTRAPOLATION"])),
     ("STATIC", Understood(Step, &["DIRECT", "SOLVER", "STABILIZE", "FACTOR", "ALLSDTOL", "CONTINUE"])),
@@ -111,25 +117,21 @@ const KEYWORDS: &[(&str, Treatment)] = &[
     ("BEAMSECTION", Refused(SHAPES)),
     ("BEAMGENERALSECTION", Refused(SHAPES)),
     ("SURFACESECTION", Refused(SHAPES)),
-    ("RIGIDBODY", Refused(SHAPES)),
     ("MASS", Refused(PHYSICS)),
     ("SPRING", Refused(SHAPES)),
     ("DASHPOT", Refused(PHYSICS)),
     ("GAP", Refused(SHAPES)),
-    ("MPC", Refused(TIES)),
-    ("TIE", Refused(TIES)),
-    ("COUPLING", Refused(TIES)),
-    ("KINEMATIC", Refused(TIES)),
-    ("DISTRIBUTING", Refused(TIES)),
     ("EMBEDDEDELEMENT", Refused(TIES)),
+    ("SHELLTOSOLIDCOUPLING", Refused(TIES)),
     ("CONTACT", Refused("give pairs of surfaces by *CONTACT PAIR")),
     ("CONTACTINCLUSIONS", Refused("give pairs of surfaces by *CONTACT PAIR")),
     ("CLEARANCE", Refused("surfaces are taken where the nodes are")),
     ("MODELCHANGE", Refused("bodies and contact pairs are there from the beginning to the end")),
     ("FLUIDCAVITY", Refused("cavities have prescribed pressures only: *DSLOAD")),
     ("FLUIDBEHAVIOR", Refused("cavities have prescribed pressures only: *DSLOAD")),
-    ("INITIALCONDITIONS", Refused("bodies are without stress at the beginning")),
-    ("TEMPERATURE", Refused(PHYSICS)),
+    ("INITIALCONDITIONS", Understood(Model, &["TYPE", "INPUT"])),
+    // Nothing expands, and constants do not depend on it.
+    ("TEMPERATURE", LeftOut),
     ("FIELD", Refused(PHYSICS)),
     ("EXPANSION", Refused(PHYSICS)),
     ("CONDUCTIVITY", Refused(PHYSICS)),

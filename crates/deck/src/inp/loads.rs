@@ -65,6 +65,15 @@ impl Loads {
         loads
     }
 
+    /// Nodes and axes along which forces act, and where that is said.
+    pub fn forces(&self) -> Vec<((u32, u8), Place)> {
+        let force = |(component, history): (&Component, &History)| match component {
+            Component::Force(node, axis) => Some(((*node, *axis), history.place)),
+            _ => None,
+        };
+        self.histories.iter().filter_map(force).collect()
+    }
+
     /// What `OP=NEW` does not repeat goes back to zero over the step.
     fn drop_others(&mut self, keyword: &str, step: u32) {
         for (component, history) in &mut self.histories {
@@ -267,7 +276,9 @@ fn read_force(
     if !(1..=3).contains(&direction) {
         context.error(
             place,
-            format!("*CLOAD: direction {direction} is not within 1 to 3; nodes of solids take no moments"),
+            format!(
+                "*CLOAD: direction {direction} is not within 1 to 3; nodes take no moments: let a pair of forces act"
+            ),
         );
         return Vec::new();
     }

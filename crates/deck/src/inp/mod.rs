@@ -9,6 +9,7 @@
 mod body;
 mod boundary;
 mod constants;
+mod constraints;
 mod contact;
 mod context;
 mod element_types;
@@ -18,6 +19,8 @@ mod loads;
 mod materials;
 mod outline;
 mod placement;
+mod references;
+mod rigid;
 mod schedule;
 mod sets;
 
@@ -28,6 +31,7 @@ use crate::mid_edges::MidEdges;
 use crate::report::{DeckError, Note, Place, Report};
 use crate::syntax::{Block, Include, Sources, parse_into};
 use body::Body;
+use constraints::Constraints;
 use context::Context;
 use loads::Loads;
 use materials::Materials;
@@ -101,17 +105,23 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     if outline.steps.is_empty() {
         context.error(blocks.last().map_or(Place { file: 0, line: 1 }, |b| b.place), "the deck has no *STEP");
     }
-    let held = boundary::read_supports(&outline, &body, &sets, &times, context);
-    let equations = boundary::read_equations(&outline, &body, &sets, &held, context);
+    let mid_edges = body.first_added().map(|first| MidEdges::new(&body.mesh, first));
+    let mut constraints = Constraints::read(&outline, &body, &sets, mid_edges.as_ref(), context);
+    let known = boundary::Known { body: &body, sets: &sets, times: &times, turning: &constraints.turning() };
+    let mut held = boundary::read_supports(&outline, known, context);
+    let mut equations = boundary::read_equations(&outline, &body, &sets, &held, context);
+    constraints.bind(&body, &mut held, context);
+    equations.append(&mut constraints.equations);
     let loads = Loads::read(&outline, &body, &sets, &times, context);
+    let idle = constraints.idle(&body, &held, &equations, &loads.forces(), context);
     let hard = |facets: &[Facet]| hard_stiffness(&body, &materials, facets);
     let (contact, contact_pairs) = contact::read_contact(&outline, &body, &sets, hard, context);
     check_densities(&materials, &loads, context);
+    check_initial_conditions(&outline, context);
     let regions = regions(&materials, context)?;
     if context.report.has_errors() {
         return None;
     }
-    let mid_edges = body.first_added().map(|first| MidEdges::new(&body.mesh, first));
     let mut problem = Problem::body(
         mesh(&body, &sets, mid_edges.as_ref()),
         Formulation::of_mesh(&body.mesh)?,
@@ -120,7 +130,10 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     problem.clock = Clock::Steps;
     problem.regions = regions.into_iter().skip(1).collect();
     problem.supports = boundary::supports(&held, &times, mid_edges.as_ref());
+    problem.supports.extend(idle);
     problem.equations = equations;
+    problem.distances = constraints.distances;
+    problem.ties = constraints.ties;
     problem.loads = loads.for_solver(&times);
     problem.contact = contact;
     problem.contact_pairs = contact_pairs;
@@ -164,6 +177,22 @@ fn check_densities(materials: &Materials, loads: &Loads, context: &mut Context<'
     let weightless = materials.sections.iter().map(|section| &materials.list[section.material]);
     if let Some(material) = weightless.into_iter().find(|material| material.density.is_none()) {
         context.error(place, format!("gravity acts, but material {} has no *DENSITY", material.name));
+    }
+}
+
+/// What a body in equilibrium that does not expand knows nothing of is left out.
+fn check_initial_conditions(outline: &Outline<'_>, context: &mut Context<'_>) {
+    for item in outline.of("INITIALCONDITIONS") {
+        let written = &item.block.written;
+        match item.block.word("TYPE").as_deref() {
+            Some("TEMPERATURE" | "VELOCITY") => {
+                context.note(item.block.place, format!("{written} is left out: equilibria do not depend on it"));
+            }
+            _ => context.error(
+                item.block.place,
+                format!("{written}: bodies are without stress at the beginning; only TYPE=TEMPERATURE and VELOCITY are left out"),
+            ),
+        }
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Item<'a> {
     pub scope: u32,
     /// Step, from 0; `None` before the first.
     pub step: Option<u32>,
-    /// The item of the `*MATERIAL` or `*SURFACE INTERACTION` that it describes.
+    /// The item of the `*MATERIAL`, `*SURFACE INTERACTION` or `*COUPLING` that it describes.
     pub owner: Option<usize>,
 }
 
@@ -200,14 +200,22 @@ impl<'a> State<'a> {
         let owned_by = match block.keyword.as_str() {
             "HYPERELASTIC" | "ELASTIC" | "DENSITY" => Some("MATERIAL"),
             "SURFACEBEHAVIOR" | "FRICTION" => Some("SURFACEINTERACTION"),
+            "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
             _ => None,
         };
         match owned_by {
-            None => self.owner = matches!(block.keyword.as_str(), "MATERIAL" | "SURFACEINTERACTION").then_some(number),
+            None => {
+                let is_owner = matches!(block.keyword.as_str(), "MATERIAL" | "SURFACEINTERACTION" | "COUPLING");
+                self.owner = is_owner.then_some(number);
+            }
             Some(owner) => {
                 let is_owned = self.owner.is_some_and(|number| self.outline.items[number].block.keyword == owner);
                 if !is_owned {
-                    let owner = if owner == "MATERIAL" { "*MATERIAL" } else { "*SURFACE INTERACTION" };
+                    let owner = match owner {
+                        "SURFACEINTERACTION" => "*SURFACE INTERACTION",
+                        "COUPLING" => "*COUPLING",
+                        _ => "*MATERIAL",
+                    };
                     return context.error(block.place, format!("{} must follow a {owner}", block.written));
                 }
             }

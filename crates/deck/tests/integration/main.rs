@@ -2,6 +2,7 @@
 //!
 //! * [`syntax`]: keywords, parameters, data lines, included files.
 //! * [`mesh_and_sets`], [`materials`], [`steps`]: what the keywords mean.
+//! * [`constraints`]: ties, rigid bodies, couplings, MPCs; also solved.
 //! * [`msh`]: meshes of Gmsh.
 //! * [`vtk`]: meshes of VTK.
 //! * [`samples`]: whole decks, as they are and damaged.
@@ -11,6 +12,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod calculix;
+mod constraints;
 mod materials;
 mod mesh_and_sets;
 mod msh;

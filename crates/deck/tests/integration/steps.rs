@@ -240,8 +240,9 @@ fn what_cannot_be_is_told_by_line() {
         "a.inp:29: *BUONDARY is not a keyword that is known here; did you mean *BOUNDARY?"
     );
     assert_eq!(
-        one("*TIE, NAME=A\nA, B\n", ""),
-        "a.inp:29: *TIE is not supported: surfaces and nodes can only be coupled by *EQUATION, or share nodes"
+        one("*EMBEDDED ELEMENT\nA\n", ""),
+        "a.inp:29: *EMBEDDED ELEMENT is not supported: surfaces and nodes are coupled by *TIE, *COUPLING, *RIGID BODY, *MPC and *EQUATION, \
+         or share nodes"
     );
     assert_eq!(one("*BOUNDARY, FIXED\nCLAMP, 1\n", ""), "a.inp:29: *BOUNDARY: parameter \"FIXED\" is not supported");
     assert_eq!(
@@ -263,7 +264,7 @@ fn what_cannot_be_is_told_by_line() {
     );
     assert_eq!(
         one("", "*CLOAD\nTIP, 4, 1.\n"),
-        "a.inp:32: *CLOAD: direction 4 is not within 1 to 3; nodes of solids take no moments"
+        "a.inp:32: *CLOAD: direction 4 is not within 1 to 3; nodes take no moments: let a pair of forces act"
     );
     assert_eq!(one("", "*DLOAD\nBODY, P, 1.\n"), "a.inp:32: *DLOAD: \"P\" is not supported, only P1 to P6 and GRAV");
     assert_eq!(

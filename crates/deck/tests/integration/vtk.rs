@@ -1,17 +1,22 @@
-//! Two blocks of 1 mm side by side, written by Gmsh and meshio as `.vtk` and as `.msh` 2.2: the same mesh whatever the file; damage.
+//! Two blocks of 1 mm side by side, written by Gmsh, VTK and meshio as `.vtk`, `.vtu` and `.msh` 2.2: the same mesh whatever the file; damage.
 
 use std::fs;
 use std::path::PathBuf;
 
-use pneuflex_deck::{msh, vtk};
+use pneuflex_deck::{msh, vtk, vtu};
 use pneuflex_mesh::ElementKind;
 use proptest::prelude::*;
 
 /// Files, the sets of elements and of faces that they have of the blocks and of the end of the first.
-const FILES: [(&str, [&str; 3]); 5] = [
+const FILES: [(&str, [&str; 3]); 10] = [
     ("blocks_tet4.vtk", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
     ("blocks_tet10_binary.vtk", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
     ("blocks_tet10_5_1_binary.vtk", ["gmsh:physical_1", "gmsh:physical_2", "gmsh:physical_3"]),
+    ("blocks_tet4_ascii.vtu", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
+    ("blocks_tet10_inline.vtu", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
+    ("blocks_tet10_raw.vtu", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
+    ("blocks_tet10_base64_zlib.vtu", ["CellEntityIds_1", "CellEntityIds_2", "CellEntityIds_3"]),
+    ("blocks_tet10_meshio.vtu", ["gmsh:physical_1", "gmsh:physical_2", "gmsh:physical_3"]),
     ("blocks_tet4.msh", ["left", "right", "foot"]),
     ("blocks_tet10_binary.msh", ["left", "right", "foot"]),
 ];
@@ -21,7 +26,11 @@ fn bytes(name: &str) -> Vec<u8> {
 }
 
 fn read(name: &str, bytes: &[u8]) -> Result<pneuflex_deck::msh::MeshFile, Vec<pneuflex_deck::DeckError>> {
-    if name.ends_with(".msh") { msh::read(name, bytes) } else { vtk::read(name, bytes) }
+    match name.rsplit_once('.') {
+        Some((_, "msh")) => msh::read(name, bytes),
+        Some((_, "vtu")) => vtu::read(name, bytes),
+        _ => vtk::read(name, bytes),
+    }
 }
 
 #[test]
@@ -79,5 +88,29 @@ proptest! {
         let at = at.index(bytes.len());
         if cut { bytes.truncate(at) } else { bytes[at] = byte }
         let _ = read(name, &bytes);
+    }
+}
+
+/// What a `.vtu` file may be that is none of an unstructured grid, and counts that do not fit.
+#[test]
+fn damaged_vtu_files_are_refused_with_their_reason() {
+    let text = String::from_utf8(bytes("blocks_tet4_ascii.vtu")).unwrap();
+    let inline = String::from_utf8(bytes("blocks_tet10_inline.vtu")).unwrap();
+    let zlib = String::from_utf8(bytes("blocks_tet10_base64_zlib.vtu")).unwrap();
+    for (text, said) in [
+        ("points".to_owned(), "not an XML file"),
+        (text.replace("UnstructuredGrid", "PolyData"), "is \"PolyData\" and not UnstructuredGrid"),
+        (text.replace("connectivity", "nodes"), "Cells has no array connectivity"),
+        (text.replacen("=\"Float", "=\"Real", 1), "is no type of numbers"),
+        (inline.replacen("AAA", "!!!", 1), "its data end too early, or are damaged"),
+        (zlib.replace("vtkZLibDataCompressor", "vtkLZ4DataCompressor"), "compress by zlib, or not at all"),
+        (zlib.replacen("offset=\"0\"", "offset=\"99999999\"", 1), "its offset lies beyond the appended data"),
+        (
+            zlib.replacen("<AppendedData", "<Appendix", 1).replacen("</AppendedData", "</Appendix", 1),
+            "nothing is appended",
+        ),
+    ] {
+        let errors = vtu::read("a.vtu", text.as_bytes()).unwrap_err();
+        assert!(errors[0].to_string().contains(said), "{}", errors[0]);
     }
 }

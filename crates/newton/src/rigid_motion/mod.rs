@@ -1,6 +1,6 @@
 //! Rigid motions of a body's parts that nothing holds, found before anything is solved (theory §15).
 //!
-//! A part is what faces of elements join. Each has six rigid motions, u(x) = t + ω × (x − c); supports, linear equations and nodes shared
+//! A part is what faces of elements join, or a node that belongs to no element. Each has six rigid motions, u(x) = t + ω × (x − c); supports, linear equations and nodes shared
 //! with other parts (a hinge) are linear constraints on them. What is left is found part by part: constraints between parts join their
 //! motions to those of a cluster, of which few are left at any time.
 
@@ -37,9 +37,14 @@ pub fn loose_parts(problem: &Problem) -> Vec<LoosePart> {
     let mut clusters = Clusters::of(parts.supports(&problem.held_dofs()));
     clusters.constrain(parts.hinges());
     clusters.constrain(parts.equations(problem));
+    clusters.constrain(parts.distances(problem));
     let motions = |(number, part): (usize, &Part)| {
         // A part without extent is refused for that, with its element.
-        if part.radius > f64::MIN_POSITIVE { clusters.motions(number) } else { DMatrix::zeros(6, 0) }
+        if part.radius > f64::MIN_POSITIVE || part.elements.is_empty() {
+            clusters.motions(number)
+        } else {
+            DMatrix::zeros(6, 0)
+        }
     };
     let free: Vec<DMatrix<f64>> = parts.list.iter().enumerate().map(motions).collect();
     if free.iter().all(|motions| motions.ncols() == 0) {
@@ -104,6 +109,10 @@ impl<'a> Parts<'a> {
             let radius = positions().map(distance).fold(f64::MIN_POSITIVE, f64::max);
             list.push(Part { elements, num_nodes: nodes.len(), centre, radius });
         }
+        for (node, part) in of_node.iter_mut().enumerate().filter(|(_, part)| **part == usize::MAX) {
+            *part = list.len();
+            list.push(Part { elements: Vec::new(), num_nodes: 1, centre: mesh.nodes[node], radius: f64::MIN_POSITIVE });
+        }
         Self { mesh, list, of_node, shared, of_element }
     }
 
@@ -123,6 +132,10 @@ impl<'a> Parts<'a> {
     fn supports(&self, held: &[bool]) -> Vec<Rows> {
         let count = self.list.len();
         let mut rows: Vec<Rows> = (0..count).map(|_| Rows::new(6)).collect();
+        // Single nodes do not turn.
+        for (rows, _) in rows.iter_mut().zip(&self.list).filter(|(_, part)| part.elements.is_empty()) {
+            (3..6).for_each(|k| rows.push(&std::array::from_fn::<f64, 6, _>(|i| f64::from(u8::from(i == k)))));
+        }
         for (node, &part) in self.of_node.iter().enumerate().filter(|(_, part)| **part < count) {
             for axis in (0..3).filter(|axis| held[3 * node + axis]) {
                 rows[part].push(&self.row(part, self.mesh.nodes[node], axis));
@@ -160,6 +173,26 @@ impl<'a> Parts<'a> {
             row
         };
         problem.equations.iter().map(row).collect()
+    }
+
+    /// Two nodes at a fixed distance move alike along the line through them.
+    fn distances(&self, problem: &Problem) -> Vec<Row> {
+        let row = |&[a, b]: &[u32; 2]| {
+            let [from, to] = [a, b].map(|node| self.mesh.nodes[node as usize]);
+            let mut row = Row::new();
+            for (node, sign) in [(a, 1.0), (b, -1.0)] {
+                let part = self.of_node[node as usize];
+                let sum = row.entry(part).or_insert([0.0; 6]);
+                for axis in 0..3 {
+                    let of_axis = self.row(part, self.mesh.nodes[node as usize], axis);
+                    (0..6).for_each(|k| sum[k] += sign * (from[axis] - to[axis]) * of_axis[k]);
+                }
+            }
+            let length = (0..3).map(|k| (from[k] - to[k]).powi(2)).sum::<f64>().sqrt();
+            row.values_mut().flatten().for_each(|entry| *entry /= length);
+            row
+        };
+        problem.distances.iter().map(row).collect()
     }
 
     /// As if every surface that may touch an obstacle were held, and surfaces that may touch each other were glued: what is free then no
