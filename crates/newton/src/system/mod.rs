@@ -333,6 +333,16 @@ impl System {
         extent
     }
 
+    /// The slaves of a nodal field follow their masters.
+    pub(crate) fn expand(&self, field: &mut [[f64; 3]]) {
+        self.elimination.expand(field);
+    }
+
+    /// Masters take what acts on their slaves.
+    pub(crate) fn condense(&self, forces: &mut [[f64; 3]]) {
+        self.elimination.condense(forces.as_flattened_mut());
+    }
+
     /// Tells the contributions that a step begins at a state.
     pub fn begin_step(&mut self, state: &State) {
         self.contributions.iter_mut().for_each(|contribution| contribution.begin_step(&state.displacement));
