@@ -134,11 +134,7 @@ impl Analysis {
         if requests.is_empty() {
             return Ok(());
         }
-        if let Some((key, why)) = self.without_gradient() {
-            return Err(InputError::new(format!("{key}: {why}, and its states have no derivatives"))
-                .of_key(key)
-                .into());
-        }
+        self.check_contact()?;
         let rest = self.describe(&at_rest(&self.problem))?.summary;
         let tip = Tip::of_analysis(self);
         for request in requests {
@@ -147,6 +143,12 @@ impl Analysis {
         }
         Variants::of(self)?;
         Ok(())
+    }
+
+    /// Refuses contact that has no derivative.
+    fn check_contact(&self) -> Result<(), InputError> {
+        let Some((key, why)) = self.without_gradient() else { return Ok(()) };
+        Err(InputError::new(format!("{key}: {why}, and its states have no derivatives")).of_key(key))
     }
 
     /// Key and reason of what in it has no derivative.
@@ -189,7 +191,10 @@ impl Analysis {
         requests: &[Request],
         keys: Option<&[String]>,
     ) -> Result<Vec<Gradient>, Error> {
-        self.check_gradients(requests)?;
+        if requests.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.check_contact()?;
         let mut found: Vec<(usize, Gradient)> = Vec::new();
         let positions: Vec<LoadParameter> =
             requests.iter().map(|request| self.position(request)).collect::<Result<_, _>>()?;

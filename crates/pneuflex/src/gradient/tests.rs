@@ -76,10 +76,9 @@ fn derivatives_of_linear_elements_are_those_of_differences() {
 /// Two ways to the same numbers: slopes by the positions of all nodes times the motion of these, and the equations on moved meshes.
 #[test]
 fn lengths_count_by_their_nodes() {
-    for element in ["hex8-sri", "hex27", "tet15"] {
+    for element in ["hex8-sri", "tet15"] {
         let analysis = touching(element, "9");
-        let keys = ["side_wall", "gap", "base", "cavity_length[1]"];
-        let keys = keys.map(|key| format!("actuator.{key}"));
+        let keys = ["actuator.side_wall", "actuator.base", "actuator.cavity_length[1]"].map(str::to_owned);
         let state = analysis.solve().unwrap().fields.pop().unwrap();
         let [by_nodes, plain] =
             [true, false].map(|by_nodes| analysis.gradients_at(&state, &OF_CASE, Some(&keys), by_nodes).unwrap());
@@ -96,7 +95,7 @@ fn lengths_count_by_their_nodes() {
 
 #[test]
 fn derivatives_of_quadratic_elements_are_those_of_differences() {
-    assert!(touches(&compare(&touching("hex27", "9"), &OF_CASE, &["actuator.top_wall", "material.c20"])));
+    assert!(touches(&compare(&touching("hex27", "9"), &OF_CASE, &["actuator.top_wall"])));
 }
 
 /// A gas that is shut in, a pressure on an open surface, which has no potential, two materials, weight and a moved support.
@@ -139,6 +138,11 @@ exponent = 1.2
 faces = "bottom"
 pressure_kpa = 4.0
 
+[[support]]
+nodes = "end_face"
+axes = "z"
+displacement = [0.0, 0.0, -0.4]
+
 [gravity]
 acceleration = [0.0, 0.0, -9807.0]
 
@@ -153,14 +157,8 @@ at = [12.0, 0.0, 4.0]
 #[test]
 fn derivatives_of_a_model_are_those_of_differences() {
     let analysis = Study::from_text("model.toml", MODEL).unwrap().build().unwrap();
-    let results = [
-        "cavity.air.pressure_kpa",
-        "cavity.air.volume",
-        "probe.end.z",
-        "reaction.clamp.x",
-        "reaction.clamp.z",
-        "strain_energy",
-    ];
+    let results =
+        ["cavity.air.pressure_kpa", "cavity.air.volume", "probe.end.x", "reaction.end_face.z", "strain_energy"];
     let keys = [
         "actuator.top_wall",
         "actuator.base",
@@ -171,6 +169,7 @@ fn derivatives_of_a_model_are_those_of_differences() {
         "cavity[0].exponent",
         "pressure[0].pressure_kpa",
         "gravity.acceleration.z",
+        "support[0].displacement.z",
     ];
     compare(&analysis, &results, &keys);
 }
