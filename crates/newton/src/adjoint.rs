@@ -76,12 +76,12 @@ impl Linearised {
     /// # Errors
     /// A tangent that cannot be factorised or solved with.
     pub fn at(problem: &Problem, equilibrium: &ConvergedState) -> Result<Self, Cause> {
-        let mut system = System::new(problem, Parallelism::Threads)?;
         let supplies = CavityPressures::of(problem)?;
-        // Multipliers of equations come from the correction, in which they are linear.
-        let mut bordered = supplies.unknowns(&equilibrium.cavity_pressures);
-        bordered.resize(system.num_bordered(), 0.0);
+        let bordered = supplies.unknowns(&equilibrium.cavity_pressures);
         let mut state = State::new(equilibrium.parameter, equilibrium.displacement.clone(), bordered);
+        let mut system = System::at(problem, &state, Parallelism::Threads)?;
+        // Multipliers of equations come from the correction, in which they are linear.
+        state.bordered.resize(system.num_bordered(), 0.0);
         // Not the stresses that Newton's method carries, but those of the state itself.
         system.predict(&state.displacement, None);
         let (assembled, mut tangent) = system.tangent(&state)?;
