@@ -12,17 +12,21 @@ const CLOSE: f64 = 1e-6;
 /// What is told: file, changes, result, and keys by which it is differentiated; none for all.
 type Task = (&'static str, &'static [(&'static str, &'static str)], &'static str, &'static [&'static str]);
 
+/// Three chambers of the actuator, at a pressure at which both gaps are closed.
+const FINGER: &[(&str, &str)] =
+    &[("actuator.chambers", "3"), ("probe", "[]"), ("mesh.resolution", "draft"), ("load.pressure_kpa", "[20, 40]")];
+
 const TASKS: [Task; 4] = [
     ("fixtures/two_chamber_coarse.toml", &[], "end_face_angle@35", &[]),
     (
         "fixtures/actuator.toml",
-        &[("actuator.chambers", "3"), ("mesh.resolution", "draft"), ("load.pressure_kpa", "[20, 40]")],
+        FINGER,
         "end_face_angle",
         &["actuator.side_wall", "actuator.top_wall", "actuator.gap", "material.c10", "contact.stiffness"],
     ),
     (
         "fixtures/actuator.toml",
-        &[("actuator.chambers", "3"), ("mesh.resolution", "draft"), ("load.pressure_kpa", "[20, 40]")],
+        FINGER,
         "tip.z",
         &["actuator.gap[1]", "actuator.cavity_length[2]", "material.c30", "load.pressure_kpa"],
     ),
