@@ -215,6 +215,9 @@ fn what_has_no_derivative_is_refused_by_name() {
     }
     let model = Study::from_text("model.toml", MODEL).unwrap().build().unwrap();
     assert!(by(&model, "load.times").contains("a load has a corner at time 1"));
+    let deck = Study::from_text("c.inp", crate::convergence::PULLED_CUBE).unwrap().build().unwrap();
+    let error = deck.check_gradients(&requests(&["strain_energy"])).unwrap_err().to_string();
+    assert!(error.starts_with("a deck has no keys"), "{error}");
     let mut averaged = analysis.clone();
     averaged.problem.contact.method = ContactMethod::Mortar;
     let error = averaged.check_gradients(&requests(&["tip.z"])).unwrap_err().to_string();

@@ -14,6 +14,7 @@ use toml::Value;
 use super::variables::{Kind, Step, Variable, collect};
 use crate::analysis::{Analysis, Description};
 use crate::input_error::{InputError, InputErrorKind};
+use crate::vocabulary::Vocabulary;
 
 /// Shares of what is large for a number by which it is changed for a difference.
 const SHARE: f64 = 1e-3;
@@ -37,6 +38,11 @@ impl<'a> Variants<'a> {
     /// # Errors
     /// A deck, which has no keys; values that TOML cannot hold.
     pub fn of(analysis: &'a Analysis) -> Result<Self, InputError> {
+        if analysis.vocabulary() == Vocabulary::Deck {
+            let help = "write a model file around the deck: [model] with file = \"...\"".to_owned();
+            let what = "a deck has no keys that results could be differentiated by";
+            return Err(InputError::new(what).with_help(Some(help)));
+        }
         let document = match &analysis.description {
             Description::Actuator(case) => Value::try_from(case.as_ref()),
             Description::Model(model, _) | Description::Body(model) => Value::try_from(model.as_ref()),
