@@ -9,6 +9,7 @@ mod coverage;
 mod decks;
 mod estimates;
 mod fuzz;
+mod gradients;
 mod kills;
 mod obstacles;
 mod program;
@@ -41,6 +42,7 @@ tasks:
             [--count N] [--seed S] [--jobs N] [--docs]
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
             [--draws N] [--seed S] [--docs]
+  gradients exact derivatives of results against differences of whole runs, as a table; fails where they are apart
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S] [--docs]
   obstacles iterations where an obstacle moves and where supports do, by shape, element, stiffness and size
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Some("decks") => decks::run(&arguments[1..]),
         Some("estimates") => estimates::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
+        Some("gradients") if rest.is_empty() => gradients::run(),
         Some("kills") => kills::run(&arguments[1..]),
         Some("obstacles") if rest.is_empty() => obstacles::run(),
         Some("relations") => relations::run(&arguments[1..]),

@@ -81,6 +81,12 @@ impl Couplings {
         if entries.iter().any(is_felt) { Self { entries } } else { Self::default() }
     }
 
+    /// The transposed matrix. Every coupling is skew in the axes and has a partner with a and b exchanged, so that it is the negative.
+    pub fn transposed(mut self) -> Self {
+        self.entries.iter_mut().for_each(|entry| entry.2 = entry.2.map(|v| -v));
+        self
+    }
+
     /// Whether there is nothing to add.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()

@@ -10,9 +10,9 @@ use pneuflex_mesh::Facet;
 use pneuflex_model::{Cavity, Control, Curve, Gas, LoadParameter, OpenCavity, Pressure, Problem};
 
 use crate::boundary_term::{BoundaryTerm, Couplings};
-use crate::contribution::{BorderedEquation, Contribution, Position};
+use crate::contribution::{BorderedEquation, Contribution, Frozen, Position};
 use crate::follower_pressure::FollowerPressure;
-use crate::local::LocalContribution;
+use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
 
 /// Faces under the pressure of a fluid.
 #[derive(Clone, Debug)]
@@ -150,6 +150,37 @@ impl Contribution for PressurisedFaces {
 
     fn add_couplings(&self, displacement: &[[f64; 3]], couplings: &mut Couplings) {
         self.boundary.couple(self.faces.pressure, displacement, couplings);
+    }
+
+    /// A pressure acts on the deformed faces, which move with the positions at rest as with the displacements: the slope is −KᵀΛ. Where the
+    /// pressure follows from a volume, that at rest counts, too, and nothing is said.
+    fn add_shape_slope(&self, frozen: &Frozen<'_>, slope: &mut [[f64; 3]]) -> Result<bool, LocalError> {
+        if self.supply.is_unknown() {
+            return Ok(false);
+        }
+        let (u, multipliers) = (frozen.displacement, frozen.multipliers);
+        let mut local = LocalBlock::default();
+        for face in 0..self.faces.num_blocks() {
+            let nodes = self.faces.nodes(face);
+            local.reset(nodes.len(), Request::Tangent);
+            self.faces.evaluate(face, u, Request::Tangent, &mut local)?;
+            let pairs = (0..nodes.len()).flat_map(|a| (0..=a).map(move |b| (a, b)));
+            for ((a, b), values) in pairs.zip(&local.tangent) {
+                let [row, column] = [a, b].map(|place| nodes[place] as usize);
+                for (k, value) in values.iter().enumerate() {
+                    let (i, j) = (k % 3, k / 3);
+                    slope[row][i] -= value * multipliers[column][j];
+                    if a != b {
+                        slope[column][j] -= value * multipliers[row][i];
+                    }
+                }
+            }
+        }
+        let mut couplings = Couplings::default();
+        self.add_couplings(u, &mut couplings);
+        // Minus the transposed matrix is the matrix itself, which is skew.
+        couplings.add_product(multipliers.as_flattened(), slope.as_flattened_mut());
+        Ok(true)
     }
 
     fn num_bordered(&self) -> usize {

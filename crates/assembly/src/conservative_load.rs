@@ -4,8 +4,8 @@ use pneuflex_mesh::{Facet, Mesh, PerFaceKind, mesh::determinant, shape};
 use pneuflex_model::load::Load;
 use pneuflex_model::{Curve, LoadParameter, Problem};
 
-use crate::contribution::{Contribution, Position};
-use crate::local::LocalContribution;
+use crate::contribution::{Contribution, Frozen, Position};
+use crate::local::{LocalContribution, LocalError};
 
 /// Forces, tractions and weights.
 #[derive(Clone, Debug)]
@@ -38,6 +38,11 @@ impl Contribution for ConservativeLoads {
 
     fn is_load(&self) -> bool {
         true
+    }
+
+    /// Areas and volumes at rest depend on the positions; without loads there is nothing.
+    fn add_shape_slope(&self, _frozen: &Frozen<'_>, _slope: &mut [[f64; 3]]) -> Result<bool, LocalError> {
+        Ok(self.loads.is_empty())
     }
 
     fn add_forces(&self, residual: &mut [[f64; 3]]) {

@@ -24,6 +24,17 @@ pub struct Position<'a> {
     pub is_on_the_way: bool,
 }
 
+/// A Lagrangian e E − Λ·r at frozen displacements.
+#[derive(Clone, Copy, Debug)]
+pub struct Frozen<'a> {
+    /// Displacements, mm, one entry per node.
+    pub displacement: &'a [[f64; 3]],
+    /// Λ, one entry per node.
+    pub multipliers: &'a [[f64; 3]],
+    /// e, the weight of the solid's energy.
+    pub energy: f64,
+}
+
 /// A contribution to the energy and the residual.
 pub trait Contribution: Send + Sync {
     /// What it is, in a word.
@@ -91,6 +102,15 @@ pub trait Contribution: Send + Sync {
     /// Forces at a displacement that must have vanished where results are wanted, N, node by node; `None` if it has none of the kind.
     fn vanishing_forces(&self, _displacement: &[[f64; 3]]) -> Option<Vec<(u32, [f64; 3])>> {
         None
+    }
+
+    /// Adds the slope of its part e E − Λ·r of a Lagrangian by the positions of the nodes at rest, N times the Lagrangian's unit per mJ, one entry per
+    /// node. `false` if it does not say: something else of it than its blocks depends on them.
+    ///
+    /// # Errors
+    /// [`LocalError`] of a block that cannot be evaluated.
+    fn add_shape_slope(&self, _frozen: &Frozen<'_>, _slope: &mut [[f64; 3]]) -> Result<bool, LocalError> {
+        Ok(self.blocks().is_none_or(|blocks| blocks.num_blocks() == 0))
     }
 
     /// Dampers take 1/Δτ of the step of pseudo-time that follows; 0 lets them rest.

@@ -40,7 +40,7 @@ pub use boundary_term::{BoundaryTerm, Couplings};
 pub use conservative_load::ConservativeLoads;
 pub use contact::ContactForces;
 pub use contribution::{
-    BorderedEquation, Contribution, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral,
+    BorderedEquation, Contribution, Frozen, Mixed, Position, Prediction, RigidMotion, Tractions, Unilateral,
 };
 pub use distances::Distances;
 pub use elimination::{CondensedBlocks, Elimination};

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pneuflex::find::{FORCE, Goal};
+use pneuflex::gradient::Request;
 use pneuflex::{Change, Error, InputError, MemoryLimit};
 
 use crate::completions::CompletionsArguments;
@@ -59,6 +60,9 @@ pub enum Command {
     /// Find the pressure, or the value of a key, at which a result takes a value
     #[command(after_help = examples::FIND)]
     Find(FindArguments),
+    /// Compare derivatives of a result with differences of whole runs
+    #[command(after_help = examples::CHECK_GRADIENT)]
+    CheckGradient(CheckGradientArguments),
     /// Print the numbers of results, one row per pressure, several runs side by side
     #[command(after_help = examples::TABLE)]
     Table(TableArguments),
@@ -178,9 +182,30 @@ pub struct RunArguments {
     /// eight, which may take longer than the run
     #[arg(long)]
     pub estimate: bool,
+    /// Derivatives of a result, e.g. end_face_angle or tip.z, by every length, constant and load of the case, at the last pressure or the one
+    /// behind @; may be repeated. They go to gradients.json
+    #[arg(long, value_name = "RESULT[@AT]")]
+    pub gradient: Vec<Request>,
     /// Leave out report.html
     #[arg(long)]
     pub no_report: bool,
+    /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
+}
+
+/// Arguments of `pneuflex check-gradient`.
+#[derive(Debug, Args)]
+pub struct CheckGradientArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// The result, as for `pneuflex run --gradient`
+    #[arg(long, value_name = "RESULT[@AT]")]
+    pub of: Request,
+    /// Keys by which it is differentiated, e.g. actuator.gap; may be repeated [default: all]
+    #[arg(long, value_name = "KEY")]
+    pub by: Vec<String>,
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,

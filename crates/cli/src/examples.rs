@@ -8,6 +8,7 @@ Examples:
   pneuflex run actuator.toml --set load.pressure_kpa='[10, 20]' --out out/low
   pneuflex run actuator.toml --resume                         go on after Ctrl-C or a crash
   pneuflex run actuator.toml --estimate                       and say how exact the last state is
+  pneuflex run actuator.toml --gradient end_face_angle@35     and what changes the angle at 35 kPa most
 
 Exit codes: 0 converged or followed past a limit point, 1 an output could not be written, 2 bad input (nothing written), 3 not converged (what was reached is kept), 130 interrupted.";
 
@@ -17,6 +18,14 @@ Examples:
   pneuflex check actuator.toml
   pneuflex check actuator.toml --set actuator.chambers=12 --set mesh.resolution=fine
   pneuflex check finger.toml --picture finger.html            look at cavities, supports and contact before solving";
+
+/// Of `pneuflex check-gradient`.
+pub const CHECK_GRADIENT: &str = "\
+Examples:
+  pneuflex check-gradient finger.toml --of end_face_angle@35 --by actuator.side_wall
+  pneuflex check-gradient finger.toml --of tip.z --by material.c10 --by actuator.gap
+
+Every key takes four runs on the elements of the case, to tight tolerances.";
 
 /// Of `pneuflex new`.
 pub const NEW: &str = "\

@@ -1,7 +1,7 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
+//! * [`check`], [`check_gradient`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
 //!   [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
@@ -13,6 +13,7 @@
 
 mod args;
 mod check;
+mod check_gradient;
 mod completions;
 mod converge;
 mod error;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         Command::Picture(arguments) => picture::picture(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
+        Command::CheckGradient(arguments) => check_gradient::check_gradient(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),

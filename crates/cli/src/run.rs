@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use pneuflex::diagnosis::{Warning, WarningKind};
 use pneuflex::error_estimate::ErrorEstimate;
-use pneuflex::folder::REPORT;
+use pneuflex::folder::{GRADIENTS, REPORT};
+use pneuflex::gradient::{Derivative, Gradient, write_gradients};
+use pneuflex::model::LoadParameter;
 use pneuflex::report_page::write_report;
-use pneuflex::words::thousands;
+use pneuflex::words::{rounded, thousands};
 use pneuflex::{Analysis, Error, OutputFolder, Solution, Start, Status, Study, Unfinished};
 
 use crate::args::RunArguments;
@@ -15,6 +17,10 @@ use crate::interrupt;
 use crate::outcome::Outcome;
 use crate::progress::{Progress, duration};
 use crate::terminal::say;
+
+/// Derivatives of a result that are said, and their digits.
+const SAID: usize = 6;
+const DIGITS: i32 = 5;
 
 /// Solves a case.
 ///
@@ -28,6 +34,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         study.estimate_errors()?;
     }
     let analysis = study.build_within(arguments.solve.memory_limit())?;
+    analysis.check_gradients(&arguments.gradient)?;
     let default = || PathBuf::from("out").join(analysis.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let place = folder.path().display();
@@ -38,6 +45,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             if !arguments.no_report && !folder.path().join(REPORT).exists() {
                 report_or_warn(&folder, arguments.solve.with.quiet);
             }
+            // Displacements of an earlier run are not known: it says so.
+            analysis.gradients(&[], &arguments.gradient, None)?;
             say(&format!("{place}: the run is complete, nothing is left to do"));
             return Ok(Outcome::Converged);
         }
@@ -55,7 +64,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         None => {}
     }
 
-    let run = analysis.run().stop(&interrupt::listen()).without_fields().record_in(folder.clone(), start);
+    let run = analysis.run().stop(&interrupt::listen()).record_in(folder.clone(), start);
+    let run = if arguments.gradient.is_empty() { run.without_fields() } else { run };
     let result = run.observer(|event| progress.event(event)).solve();
     progress.finish();
     let report = || {
@@ -67,7 +77,15 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         Ok(solution) => {
             say_estimate(&analysis, &solution, &progress);
             say_warnings(&solution.warnings, &analysis.warnings(&[]), &progress);
+            let gradients = analysis.gradients(&solution.fields, &arguments.gradient, None);
+            if let Ok(gradients) = &gradients
+                && !gradients.is_empty()
+            {
+                write_gradients(&folder, gradients)?;
+                gradients.iter().for_each(|gradient| say_gradient(&analysis, gradient, &progress));
+            }
             report();
+            gradients?;
             let spent = duration(solution.timing.total_s);
             let is_past_limit = solution.status == Status::PastLimit;
             let end = if is_past_limit { "followed past the limit point" } else { "converged" };
@@ -135,6 +153,21 @@ fn say_estimate(analysis: &Analysis, solution: &Solution, progress: &Progress) {
         }
         Some(ErrorEstimate::None { why_not }) => progress.line(&format!("errors are not estimated: {why_not}")),
         None => {}
+    }
+}
+
+/// Says what changes a result most.
+fn say_gradient(analysis: &Analysis, gradient: &Gradient, progress: &Progress) {
+    let at = analysis.problem.clock.words(LoadParameter(gradient.time.unwrap_or(gradient.pressure_kpa)));
+    let Gradient { of, value, derivatives, seconds, .. } = gradient;
+    progress.line(&format!("{of} = {} at {at} changes most by ({}):", rounded(*value, DIGITS), duration(*seconds)));
+    for Derivative { by, unit, derivative, per_percent, .. } in derivatives.iter().take(SAID) {
+        let [derivative, per_percent] = [derivative, per_percent].map(|x| rounded(*x, DIGITS));
+        let unit = if unit.is_empty() { "unit" } else { unit };
+        progress.line(&format!("  {by}: {derivative} per {unit}, {per_percent} per percent"));
+    }
+    if derivatives.len() > SAID {
+        progress.line(&format!("  all {} are in {GRADIENTS}", derivatives.len()));
     }
 }
 

@@ -36,14 +36,20 @@ impl Problem {
     /// As there.
     pub fn from_case_on(case: &Case, size: &MeshSize) -> Result<Self, CaseError> {
         case.validate()?;
+        Self::from_case_with(case, build_actuator(&case.actuator, size, case.mesh.formulation().element_kind())?)
+    }
+
+    /// The same on a mesh that is there, with the sets of [`build_actuator`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_case_with(case: &Case, mesh: Mesh) -> Result<Self, CaseError> {
+        case.validate()?;
         let (formulation, material, contact) = (case.mesh.formulation(), case.material.clone(), case.contact.clone());
+        let problem = Self::of_actuator_mesh(case.actuator.chambers, mesh, formulation, material, contact);
         let mut problem = match &case.load.chamber_factor {
-            None => Self::from_actuator(&case.actuator, size, formulation, material, contact)?,
-            Some(factor) => {
-                let mesh = build_actuator(&case.actuator, size, formulation.element_kind())?;
-                let problem = Self::of_actuator_mesh(case.actuator.chambers, mesh, formulation, material, contact);
-                problem.with_air_of_chambers(factor)
-            }
+            None => problem.with_one_air(),
+            Some(factor) => problem.with_air_of_chambers(factor),
         };
         let first = LoadParameter(case.load.pressure_kpa.first().copied().unwrap_or_default());
         let chooser = Chooser::new(Arc::clone(&problem.mesh));
@@ -78,10 +84,7 @@ impl Problem {
         contact: Contact,
     ) -> Result<Self, GeometryError> {
         let mesh = build_actuator(actuator, size, formulation.element_kind())?;
-        let mut problem = Self::of_actuator_mesh(actuator.chambers, mesh, formulation, material, contact);
-        let cavity = problem.mesh.facet_set("cavity").to_vec();
-        problem.inflate("cavity", cavity);
-        Ok(problem)
+        Ok(Self::of_actuator_mesh(actuator.chambers, mesh, formulation, material, contact).with_one_air())
     }
 
     /// The same from the mesh of an actuator with a number of chambers, and without air.
@@ -117,6 +120,13 @@ impl Problem {
             contact_pairs.push(outer_surface(&mesh, &contact_pairs));
         }
         Self { supports, symmetry, contact, contact_pairs, ..Self::body(mesh, formulation, material) }
+    }
+
+    /// The same with one air in all chambers, whose pressure in kPa is the load parameter.
+    fn with_one_air(mut self) -> Self {
+        let cavity = self.mesh.facet_set("cavity").to_vec();
+        self.inflate("cavity", cavity);
+        self
     }
 
     /// The same with air of its own in every chamber, whose pressure is that many times the load parameter.

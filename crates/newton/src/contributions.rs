@@ -71,6 +71,11 @@ impl CavityPressures {
         self.0.iter().map(|(supply, index)| supply.pressure(state.parameter, unknown(*index))).collect()
     }
 
+    /// Of one number per cavity those of the cavities whose pressures are unknown.
+    pub fn unknowns_of(&self, values: &[f64]) -> Vec<f64> {
+        self.0.iter().zip(values).filter_map(|((_, index), value)| index.map(|_| *value)).collect()
+    }
+
     /// The unknowns beside the displacements, as far as they are pressures, that give these pressures.
     pub fn unknowns(&self, pressures: &[Pressure]) -> Vec<f64> {
         let unknown = |((_, index), pressure): (&(Supply, Option<usize>), &Pressure)| index.map(|_| pressure.mpa());

@@ -11,12 +11,14 @@
 //! * [`path`]: Newton's method at one load, the guess before it, the steps around it; [`arc`]: beyond limit points; `prescribed_motion`:
 //!   supports that move.
 //! * [`corrected`]: corrections of a state that was found on another mesh.
+//! * [`adjoint`]: derivatives of an equilibrium's results by everything that its problem is made of.
 //! * [`augmentation`]: the contact's multipliers at the requested positions.
 //! * [`checkpoint`]: what is needed to go on after a kill; [`event`], [`history`], [`failure`],
 //!   [`timing`]: what a run reports.
 //!
 //! Files, clocks on the wall and terminals are other crates' business: a run talks to an observer.
 
+pub mod adjoint;
 pub mod arc;
 pub mod augmentation;
 pub mod bordered;

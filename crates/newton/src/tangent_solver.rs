@@ -156,11 +156,22 @@ impl Tangent {
 
     /// K times a vector.
     fn product(&self, vector: &[f64]) -> Result<Vec<f64>, FactorError> {
-        let mut product = vec![0.0; vector.len()];
-        multiply::<3>(&self.pattern, &self.buffers.values, vector, &mut product)?;
+        let mut product = self.symmetric_product(vector)?;
         if !self.couplings.is_empty() {
             product.iter_mut().zip(self.unsymmetric_product(vector)).for_each(|(force, more)| *force += more);
         }
+        Ok(product)
+    }
+
+    /// Solutions are those with the transposed matrix from now on. The symmetric part and its factor are what they were.
+    pub(crate) fn transpose(&mut self) {
+        self.couplings = std::mem::take(&mut self.couplings).transposed();
+    }
+
+    /// The symmetric part of K times a vector, held degrees of freedom and all.
+    pub(crate) fn symmetric_product(&self, vector: &[f64]) -> Result<Vec<f64>, FactorError> {
+        let mut product = vec![0.0; vector.len()];
+        multiply::<3>(&self.pattern, &self.buffers.values, vector, &mut product)?;
         Ok(product)
     }
 

@@ -65,9 +65,9 @@ pub struct Analysis {
 #[derive(Clone, Debug)]
 pub(crate) struct Undressed {
     /// The body, with what a deck says of loads and supports.
-    body: Problem,
+    pub(crate) body: Problem,
     /// Times and first increment of a deck.
-    schedule: Option<(Vec<f64>, f64)>,
+    pub(crate) schedule: Option<(Vec<f64>, f64)>,
 }
 
 /// How a problem was described.

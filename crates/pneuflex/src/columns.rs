@@ -1,7 +1,9 @@
 //! The numbers of a state as a flat row: the columns of `pneuflex table`, of sweeps and of what `pneuflex find` looks for.
 
+use pneuflex_post::measures;
 use pneuflex_post::summary::StepSummary;
 
+use crate::analysis::Analysis;
 use crate::pairs::Pairs;
 use crate::study::Study;
 
@@ -22,6 +24,14 @@ impl Tip {
         let probes = study.case().map(|case| &case.probes).or_else(|| study.model().map(|model| &model.probes));
         let probe = probes.into_iter().flatten().find(|probe| probe.name == "tip");
         Self { length: actuator.map(|actuator| actuator.length()), probe_at: probe.map(|probe| probe.at) }
+    }
+
+    /// That of an analysis, where the mesh has the tip.
+    pub(crate) fn of_analysis(analysis: &Analysis) -> Self {
+        let problem = &analysis.problem;
+        let end = measures::centreline_nodes(problem).last().map(|node| problem.mesh.nodes[*node as usize][0]);
+        let probe = analysis.probes.iter().find(|probe| probe.name == "tip");
+        Self { length: end.filter(|_| analysis.actuator().is_some()), probe_at: probe.map(|probe| probe.at) }
     }
 
     /// Displacement of the tip, mm: of an actuator the end of its bottom centreline, of another body the probe `tip`.

@@ -237,7 +237,7 @@ impl Followed<'_> {
 }
 
 /// The value of a column in a state.
-fn value_of(column: &str, state: &StepSummary, tip: &Tip) -> Result<f64, InputError> {
+pub(crate) fn value_of(column: &str, state: &StepSummary, tip: &Tip) -> Result<f64, InputError> {
     let found = columns(state, tip);
     if let Some(value) = found.get(column).and_then(serde_json::Value::as_f64) {
         return Ok(value);

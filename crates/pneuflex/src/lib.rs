@@ -113,6 +113,7 @@
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
+//! | [`gradient`] | exact derivatives of results by the numbers of a file, and what tests them |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`], [`picture`] | result folders |
 //! | [`setup_page`] | a picture of what would be solved |
 //! | [`convergence`], [`error_estimate`], [`quantities`] | sequences of meshes, what a finer mesh would change, and in which numbers |
@@ -140,6 +141,7 @@ mod files;
 pub mod find;
 pub mod folder;
 mod foreign;
+pub mod gradient;
 mod held_in_obstacle;
 mod holding;
 pub mod input_error;

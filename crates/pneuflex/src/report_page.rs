@@ -13,7 +13,7 @@ use pneuflex_report::{Report, render};
 
 use crate::analysis::{Analysis, Description};
 use crate::error::Error;
-use crate::folder::{OutputFolder, REPORT};
+use crate::folder::{GRADIENTS, OutputFolder, REPORT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
 use crate::on_the_way::on_the_way_number;
@@ -69,7 +69,11 @@ impl RecordedRun {
     /// # Errors
     /// [`Error::Input`]: a folder that is none of this program's, files that are missing or damaged.
     pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
-        let summary = read_summary(folder)?;
+        let mut summary = read_summary(folder)?;
+        let gradients = folder.join(GRADIENTS);
+        if gradients.exists() {
+            summary.gradients = serde_json::from_str(&read(&gradients)?).map_err(|e| damaged(&gradients, e))?;
+        }
         let case_path = folder.join("case.toml");
         // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.
         let has_nodes_of_summary = |estimate: Estimate| {

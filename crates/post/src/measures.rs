@@ -3,7 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pneuflex_mesh::Facet;
+use pneuflex_assembly::FollowerPressure;
+use pneuflex_mesh::{Facet, shape};
 use pneuflex_model::{Cavity, Problem};
 
 use crate::error::{PostError, check};
@@ -18,16 +19,41 @@ use pneuflex_mesh::vector::norm;
 /// A list of the wrong length or with a number that is not finite.
 pub fn centreline(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, PostError> {
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
+    let deformed = |node: u32| {
+        let (x, u) = (problem.mesh.nodes[node as usize], displacement[node as usize]);
+        [x[0] + u[0], x[2] + u[2]]
+    };
+    Ok(centreline_nodes(problem).into_iter().map(deformed).collect())
+}
+
+/// Nodes of the bottom centreline from the clamp to the tip; none if the mesh has no node set `bottom_centreline`.
+pub fn centreline_nodes(problem: &Problem) -> Vec<u32> {
     let mesh = &problem.mesh;
     let mut nodes = mesh.node_set("bottom_centreline").to_vec();
     nodes.sort_by(|&a, &b| mesh.nodes[a as usize][0].total_cmp(&mesh.nodes[b as usize][0]).then(a.cmp(&b)));
-    Ok(nodes
-        .into_iter()
-        .map(|n| {
-            let (x, u) = (mesh.nodes[n as usize], displacement[n as usize]);
-            [x[0] + u[0], x[2] + u[2]]
-        })
-        .collect())
+    nodes
+}
+
+/// Angle of the chord of a deformed centreline, degrees, positive downwards; `None` for a line without two ends.
+pub fn angle_of_chord_deg(centreline: &[[f64; 2]]) -> Option<f64> {
+    let [[x0, z0], .., [x1, z1]] = centreline else { return None };
+    Some((z0 - z1).atan2(x1 - x0).to_degrees())
+}
+
+/// ∂/∂u of the angle of the centreline's chord, degrees per mm, one entry per node; zero without a centreline.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn chord_angle_gradient(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, PostError> {
+    let line = centreline(problem, displacement)?;
+    let mut gradient = vec![[0.0; 3]; displacement.len()];
+    if let ([first, .., last], [[x0, z0], .., [x1, z1]]) = (&centreline_nodes(problem)[..], &line[..]) {
+        let (along, down) = (x1 - x0, z0 - z1);
+        let by_end = [-down, 0.0, -along].map(|slope| (slope / (along * along + down * down)).to_degrees());
+        gradient[*last as usize] = by_end;
+        gradient[*first as usize] = by_end.map(|slope| -slope);
+    }
+    Ok(gradient)
 }
 
 /// Angle in degrees by which the surface `end_face` (or that of the node set of this name) is turned in the x–z plane; 0 without one.
@@ -71,6 +97,52 @@ pub fn end_face_angle_deg(problem: &Problem, displacement: &[[f64; 3]]) -> Resul
     Ok((angle + turns * std::f64::consts::TAU).to_degrees())
 }
 
+/// ∂θ/∂u of [`end_face_angle_deg`], degrees per mm, one entry per node; zero without an end face.
+///
+/// The means drop out of sine and cosine, as ∫ a dA₀ = 0: both are linear in the deformed positions.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn end_face_angle_gradient(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
+    let mesh = &problem.mesh;
+    let (mut area, mut centre) = (0.0, [0.0; 3]);
+    // Weight, position at rest, nodes and their shape functions of every point.
+    let mut points = Vec::new();
+    for facet in end_face(problem) {
+        let rest = Patch::new(mesh, facet, None);
+        for (xi, weight) in (rest.kind().rule)() {
+            let at = rest.at(xi);
+            let weight = weight * norm(at.area_vector);
+            area += weight;
+            (0..3).for_each(|d| centre[d] += weight * at.position[d]);
+            points.push((weight, at.position, mesh.facet_nodes(facet), shape::evaluate_face(rest.kind(), xi).values));
+        }
+    }
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    // Of both by the position of every node; along y there is nothing.
+    let (mut by_sine, mut by_cosine) = (vec![[0.0; 3]; displacement.len()], vec![[0.0; 3]; displacement.len()]);
+    for (weight, position, nodes, values) in points {
+        let a: [f64; 3] = std::array::from_fn(|d| weight * (position[d] - centre[d] / area));
+        for (&node, value) in nodes.iter().zip(&values) {
+            let node = node as usize;
+            let b: [f64; 3] = std::array::from_fn(|d| mesh.nodes[node][d] + displacement[node][d]);
+            let [along_sine, along_cosine] = [[-a[2], 0.0, a[0]], [a[0], 0.0, a[2]]].map(|v| v.map(|x| value * x));
+            for d in [0, 2] {
+                by_sine[node][d] += along_sine[d];
+                by_cosine[node][d] += along_cosine[d];
+                sine += along_sine[d] * b[d];
+                cosine += along_cosine[d] * b[d];
+            }
+        }
+    }
+    let square = sine * sine + cosine * cosine;
+    let slope = |(s, c): ([f64; 3], [f64; 3])| {
+        std::array::from_fn(|d| if square > 0.0 { -((cosine * s[d] - sine * c[d]) / square).to_degrees() } else { 0.0 })
+    };
+    Ok(by_sine.into_iter().zip(by_cosine).map(slope).collect())
+}
+
 /// Faces of which [`end_face_angle_deg`] is the angle.
 pub fn end_face(problem: &Problem) -> Vec<Facet> {
     problem.mesh.faces_named("end_face")
@@ -107,12 +179,59 @@ pub fn cavity_volume(problem: &Problem, displacement: &[[f64; 3]]) -> Result<f64
 /// # Errors
 /// A list of the wrong length or with a number that is not finite.
 pub fn volume(problem: &Problem, cavity: &Cavity, displacement: &[[f64; 3]]) -> Result<Option<f64>, PostError> {
+    let parts = parts_of_cavity(problem, cavity);
+    Ok(modelled_volume(problem, cavity, displacement)?.map(|volume| parts * volume))
+}
+
+/// ∂/∂u of [`cavity_volume`], mm² by node.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn cavity_volume_gradient(problem: &Problem, displacement: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, PostError> {
+    let mut sum = vec![[0.0; 3]; displacement.len()];
+    for cavity in &problem.cavities {
+        let own = modelled_volume_gradient(problem, cavity, displacement)?.unwrap_or_default();
+        let factor = problem.parts_of_whole() as f64;
+        sum.as_flattened_mut().iter_mut().zip(own.as_flattened()).for_each(|(sum, own)| *sum += factor * own);
+    }
+    Ok(sum)
+}
+
+/// ∂/∂u of [`volume`], mm² by node; `None` if the cavity is open.
+///
+/// # Errors
+/// A list of the wrong length or with a number that is not finite.
+pub fn volume_gradient(
+    problem: &Problem,
+    cavity: &Cavity,
+    displacement: &[[f64; 3]],
+) -> Result<Option<Vec<[f64; 3]>>, PostError> {
+    let parts = parts_of_cavity(problem, cavity);
+    let gradient = modelled_volume_gradient(problem, cavity, displacement)?;
+    Ok(gradient.map(|gradient| gradient.into_iter().map(|g| g.map(|x| parts * x)).collect()))
+}
+
+/// The same of what is modelled of it: minus the forces of a unit pressure, over the degrees of freedom that its rim does not hold.
+fn modelled_volume_gradient(
+    problem: &Problem,
+    cavity: &Cavity,
+    displacement: &[[f64; 3]],
+) -> Result<Option<Vec<[f64; 3]>>, PostError> {
+    check("displacement", displacement.as_flattened(), problem.num_dofs())?;
+    if problem.cavity_plane(cavity).is_err() {
+        return Ok(None);
+    }
+    let forces = FollowerPressure::new(problem.mesh.clone(), &cavity.facets).forces_of_unit_pressure(displacement);
+    Ok(Some(forces.into_iter().map(|force| force.map(|f| -f)).collect()))
+}
+
+/// How many parts like the modelled one make up a cavity: one beside a plane of symmetry, which does not cut it, is one of two.
+fn parts_of_cavity(problem: &Problem, cavity: &Cavity) -> f64 {
     let cuts = problem.symmetry.iter().filter(|plane| {
         let nodes: BTreeSet<u32> = problem.supports[plane.support].nodes.iter().copied().collect();
         cavity.facets.iter().any(|&facet| problem.mesh.facet_nodes(facet).iter().any(|node| nodes.contains(node)))
     });
-    let parts = f64::from(1 << cuts.count());
-    Ok(modelled_volume(problem, cavity, displacement)?.map(|volume| parts * volume))
+    f64::from(1 << cuts.count())
 }
 
 /// Volume of what is modelled of a cavity, mm³: what planes of symmetry leave of it.
@@ -264,6 +383,42 @@ mod tests {
         // Σ a × b / Σ a · b over the rectangle in closed form: the mean of 1 − 0.02 y² over |y| < 10 is 1/3.
         let exact = (0.01 * (1.0 / 3.0_f64)).atan().to_degrees();
         assert!((whole - exact).abs() < 1e-12, "{whole} {exact}");
+    }
+
+    #[test]
+    fn gradients_are_those_of_differences() {
+        let problem = two_chambers(2.0);
+        let at = |t: f64| {
+            let (s, c) = 2.5_f64.sin_cos();
+            displacement_of(&problem, |x| {
+                let bulge = (0.1 + t) * (0.9 * x[1] + 1.3 * x[2]).sin();
+                // The plane of symmetry stays one.
+                [
+                    c * x[0] + s * x[2] - x[0] + bulge,
+                    t * x[0] * x[1],
+                    c * x[2] - s * x[0] - x[2] + t * (x[0] + x[1] * x[2]).cos(),
+                ]
+            })
+        };
+        let h = 1e-4;
+        let [low, high] = [-h, h].map(&at);
+        let chord = |u: &[[f64; 3]]| angle_of_chord_deg(&centreline(&problem, u).unwrap()).unwrap();
+        for (gradient, [before, after]) in [
+            (
+                end_face_angle_gradient(&problem, &at(0.0)),
+                [&low, &high].map(|u| end_face_angle_deg(&problem, u).unwrap()),
+            ),
+            (chord_angle_gradient(&problem, &at(0.0)), [&low, &high].map(|u| chord(u))),
+            (
+                volume_gradient(&problem, &problem.cavities[0], &at(0.0)).map(Option::unwrap),
+                [&low, &high].map(|u| cavity_volume(&problem, u).unwrap()),
+            ),
+        ] {
+            let changes = low.as_flattened().iter().zip(high.as_flattened()).map(|(low, high)| high - low);
+            let along: f64 = gradient.unwrap().as_flattened().iter().zip(changes).map(|(g, change)| g * change).sum();
+            let change = after - before;
+            assert!((along - change).abs() < 1e-6 * along.abs() && along.abs() > 1e-4, "{along} {change}");
+        }
     }
 
     #[test]

@@ -148,8 +148,7 @@ impl StepSummary {
 
     /// Angle of the chord from the clamp to the tip, degrees, positive downwards; `None` for a body without a centreline.
     pub fn chord_angle_deg(&self) -> Option<f64> {
-        let [[x0, z0], .., [x1, z1]] = self.centreline[..] else { return None };
-        Some((z0 - z1).atan2(x1 - x0).to_degrees())
+        measures::angle_of_chord_deg(&self.centreline)
     }
 }
 

@@ -7,7 +7,8 @@
 //! * [`state`]: the fields of one pressure or time, from their `.vtu` files.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
 //! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
-//! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table.
+//! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
+//!   [`sensitivity`]: what changes one of them most.
 //! * [`quantise`]: lists of numbers as text with a known error.
 //! * [`setup`]: the page of what would be solved, before it is.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
@@ -26,6 +27,7 @@ mod payload;
 pub mod quantise;
 mod report;
 pub mod results;
+pub mod sensitivity;
 pub mod series;
 pub mod setup;
 pub mod skin;

@@ -7,6 +7,7 @@ use crate::assets;
 use crate::numbers::thousands;
 use crate::report::Report;
 use crate::results::results;
+use crate::sensitivity::sensitivity;
 use crate::tables::{exactness, inputs, notices, status_text};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
@@ -43,6 +44,7 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
                     }
                     (results(report))
                     (exactness(report))
+                    (sensitivity(report))
                     (inputs(report))
                 }
                 footer {
@@ -227,6 +229,30 @@ mod tests {
             states: Some(&[state]),
         };
         crate::render(&report).unwrap()
+    }
+
+    #[test]
+    fn what_changes_a_result_is_a_table_and_reasons_are_said() {
+        let html = page("", |summary| {
+            summary["gradients"] = json!([{
+                "of": "end_face_angle_deg", "pressure_kpa": 5.0, "value": 1.75,
+                "derivatives": [
+                    {"by": "actuator.gap", "value": 2.0, "unit": "mm", "derivative": -0.125, "per_percent": -0.0025},
+                    {"by": "material.jm", "value": 40.0, "unit": "", "derivative": 0.5, "per_percent": 0.2},
+                ],
+                "without": [{"by": "actuator.cavity_floor", "why": "one <plane>"}],
+            }]);
+        });
+        for words in [
+            "What changes <code>end_face_angle_deg</code> most",
+            "It is 1.75 at 5 kPa.",
+            "−0.125 <span class=\"unit\">per mm</span>",
+            "<td>−0.0025</td>",
+            "<code>actuator.cavity_floor</code>: one &lt;plane&gt;.",
+        ] {
+            assert!(html.contains(words), "{words}");
+        }
+        assert!(!page("", |_| ()).contains("What changes"));
     }
 
     #[test]

@@ -55,6 +55,52 @@ pub struct Summary {
     /// Estimated errors of the last state, if they were asked for.
     #[serde(default)]
     pub error_estimate: Option<ErrorEstimate>,
+    /// Derivatives of results, if they were asked for: they come from a file of their own.
+    #[serde(default)]
+    pub gradients: Vec<Gradient>,
+}
+
+/// Derivatives of a result of a state, as `gradients.json` has them.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Gradient {
+    /// The result's column.
+    pub of: String,
+    /// Time; left out for actuators.
+    #[serde(default)]
+    pub time: Option<f64>,
+    /// Pressure, kPa.
+    pub pressure_kpa: f64,
+    /// The result there.
+    pub value: f64,
+    /// The greatest effect of a change by a percent first.
+    pub derivatives: Vec<Derivative>,
+    /// Numbers by which there is no derivative.
+    #[serde(default)]
+    pub without: Vec<NoDerivative>,
+}
+
+/// The derivative by a number.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Derivative {
+    /// Key of the number.
+    pub by: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit; empty for none.
+    pub unit: String,
+    /// Change of the result per unit.
+    pub derivative: f64,
+    /// Change of the result when the number grows by a percent.
+    pub per_percent: f64,
+}
+
+/// A number by which there is no derivative.
+#[derive(Clone, Debug, Deserialize)]
+pub struct NoDerivative {
+    /// Its key.
+    pub by: String,
+    /// Why.
+    pub why: String,
 }
 
 /// Estimated errors of a state, or why there are none.

@@ -161,7 +161,7 @@ impl<const N: usize, const C: usize> WithSimd for PressuresOfElement<'_, N, C> {
 
 /// J − 1 and cof F for the displacement gradient H, also for states that are turned inside out.
 #[inline]
-fn volume_change(h: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3]) {
+pub(super) fn volume_change(h: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3]) {
     let cof_h = cofactor(h);
     let trace = h[0][0] + h[1][1] + h[2][2];
     let second = cof_h[0][0] + cof_h[1][1] + cof_h[2][2];

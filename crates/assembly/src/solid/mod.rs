@@ -23,6 +23,7 @@
 //! consistent there; on the way to it, the carried one lets steps be about a hundred times longer.
 
 mod admissibility;
+mod configurational;
 mod dilatation;
 mod element;
 
@@ -34,11 +35,14 @@ use pneuflex_mesh::{Mesh, PerKind};
 use pneuflex_model::{Formulation, Material};
 use pulp::Arch;
 
-use crate::contribution::{Contribution, Mixed, Position, Prediction};
+use crate::contribution::{Contribution, Frozen, Mixed, Position, Prediction};
 use crate::formulation::{IntegrationPoint, ReferenceElement};
 use crate::kernel::LANES;
 use crate::law::ElementMaterial;
 use crate::local::{LocalBlock, LocalContribution, LocalError, Request};
+
+/// How far displacements are moved along multipliers for a difference, as a share of the nodes' spacing.
+const STEP_ALONG_MULTIPLIERS: f64 = 1e-3;
 
 /// All elements of a body.
 #[derive(Clone, Debug)]
@@ -176,6 +180,29 @@ impl Contribution for Solid {
 
     fn check_equilibrium(&self, displacement: &[[f64; 3]]) -> Result<(), LocalError> {
         self.check_orientation(displacement)
+    }
+
+    /// The derivative of Λ·∂E/∂u by the positions at rest is that of ∂E/∂X along Λ: a difference of configurational forces, extrapolated.
+    fn add_shape_slope(&self, frozen: &Frozen<'_>, slope: &mut [[f64; 3]]) -> Result<bool, LocalError> {
+        let &Frozen { displacement, multipliers, energy } = frozen;
+        let mut add = |factor: f64, forces: Vec<[f64; 3]>| {
+            let pairs = slope.as_flattened_mut().iter_mut().zip(forces.as_flattened());
+            pairs.for_each(|(sum, force)| *sum += factor * force);
+        };
+        if energy != 0.0 {
+            add(energy, self.configurational_forces(displacement)?);
+        }
+        let largest = multipliers.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        if largest > 0.0 {
+            let step = STEP_ALONG_MULTIPLIERS * self.mesh.mean_node_spacing() / largest;
+            for (steps, factor) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+                let pairs = displacement.iter().zip(multipliers);
+                let moved: Vec<[f64; 3]> =
+                    pairs.map(|(u, m)| std::array::from_fn(|k| u[k] + steps * step * m[k])).collect();
+                add(-factor / (12.0 * step), self.configurational_forces(&moved)?);
+            }
+        }
+        Ok(true)
     }
 }
 

@@ -95,6 +95,36 @@ fn solid_residual_and_tangent_are_derivatives_of_the_energy() {
     }
 }
 
+/// Along motions of all nodes at rest, by differences of the energy.
+#[test]
+fn configurational_forces_are_the_energys_slopes_by_the_nodes_at_rest() {
+    for formulation in Formulation::ALL {
+        for material in materials() {
+            let (mesh, material) = (skewed(formulation), Material { bulk_modulus: 3.0, ..material });
+            let u = deformation(&mesh, 0.8);
+            let solid = |mesh: Mesh| Solid::new(mesh, formulation, &material).unwrap();
+            let forces = solid(mesh.clone()).configurational_forces(&u).unwrap();
+            for turn in 0..3 {
+                let motion: Vec<[f64; 3]> = deformation(&mesh, 1.0)
+                    .iter()
+                    .map(|v| std::array::from_fn(|k| v[(k + turn) % 3] + 0.3 * (5.0 * v[k]).sin()))
+                    .collect();
+                let energy = |t: f64| {
+                    let mut moved = mesh.clone();
+                    let pairs = moved.nodes.as_flattened_mut().iter_mut().zip(motion.as_flattened());
+                    pairs.for_each(|(x, v)| *x += t * v);
+                    totals(&solid(moved), &u, Request::Energy).1.energy
+                };
+                let h = 1e-4;
+                let slope = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+                let found: f64 = forces.as_flattened().iter().zip(motion.as_flattened()).map(|(f, v)| f * v).sum();
+                assert!((slope - found).abs() < 1e-8 * found.abs(), "{formulation} {material:?}: {found} {slope}");
+                assert!(found.abs() > 1e-3, "{formulation} {material:?}: the check would be empty");
+            }
+        }
+    }
+}
+
 /// A brick whose edge is collapsed to a wedge's: two of its places are one node.
 #[test]
 fn a_brick_with_a_repeated_node_has_its_whole_tangent() {

@@ -1,7 +1,7 @@
 //! The program as its users have it: commands, files, messages, exit codes.
 //!
 //! * [`bad_input`]: one clear message, and nothing written.
-//! * [`case_files`], [`runs`], [`converge`], [`rod`], [`fit`], [`tables`], [`view`]: the commands.
+//! * [`case_files`], [`runs`], [`gradients`], [`converge`], [`rod`], [`fit`], [`tables`], [`view`]: the commands.
 //! * [`sweeps`]: many designs, whatever dies; jobs of clusters.
 //! * [`parts`]: parts from CAD, and what is found in meshes.
 //! * [`models`], [`obstacles`]: what stands in model files, decks and case files.
@@ -16,6 +16,7 @@ mod bad_input;
 mod case_files;
 mod converge;
 mod fit;
+mod gradients;
 mod guide;
 mod interrupted;
 mod manual;

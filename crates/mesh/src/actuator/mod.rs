@@ -21,6 +21,7 @@
 
 mod build;
 mod lengths;
+mod moved;
 mod per_chamber;
 mod planes;
 mod ranges;
@@ -30,6 +31,7 @@ mod tests;
 
 pub use build::{build_actuator, build_actuator_with};
 pub use lengths::{Actuator, Channel, LENGTHS_PER_CHAMBER, Part};
+pub use moved::NotMovable;
 pub use per_chamber::PerChamber;
 pub use planes::Cuts;
 pub use ranges::{GeometryError, LENGTHS};

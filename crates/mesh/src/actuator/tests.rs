@@ -486,3 +486,35 @@ fn wrong_entries_of_lists_are_named() {
 fn every_length_per_chamber_is_known_by_its_key() {
     assert_eq!(Actuator::full().per_chamber().map(|(key, _)| key), LENGTHS_PER_CHAMBER);
 }
+
+/// Where both bodies have the same numbers of elements, the moved mesh is the other body's own.
+#[test]
+fn a_mesh_follows_to_other_lengths() {
+    let base = Actuator { chambers: 3, flange: 2.0, ..Actuator::two_chambers() };
+    let channel = Channel { top: 3.1, ..base.channel.clone() };
+    let other = Actuator {
+        gap: 2.1.into(),
+        side_wall: 1.05.into(),
+        base: 4.2,
+        cavity_length: [6.1, 6.0, 5.9].into(),
+        channel,
+        ..base.clone()
+    };
+    for kind in [ElementKind::Hex27, ElementKind::Tet15] {
+        let [mesh, wanted] = [&base, &other].map(|actuator| build_actuator(actuator, &size(20.0), kind).unwrap());
+        let moved = base.mesh_moved_to(&other, &Cuts::default(), &mesh).unwrap();
+        assert_eq!((&moved.facet_sets, &moved.connectivity), (&wanted.facet_sets, &wanted.connectivity));
+        let largest = |a: &Mesh, b: &Mesh| {
+            let pairs = a.nodes.as_flattened().iter().zip(b.nodes.as_flattened());
+            pairs.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
+        };
+        assert!(largest(&moved, &wanted) < 1e-12 && largest(&mesh, &wanted) > 0.1);
+    }
+    let mesh = build_actuator(&base, &size(20.0), ElementKind::Hex8).unwrap();
+    let refused = |other: Actuator| base.mesh_moved_to(&other, &Cuts::default(), &mesh).unwrap_err();
+    // One chamber's side wall, where those of all chambers are one plane of nodes; a floor that leaves the top of the base.
+    let uneven = Actuator { side_wall: [1.0, 1.01, 1.0].into(), ..base.clone() };
+    assert_eq!(refused(uneven), NotMovable::Planes { axis: 'y' });
+    assert_eq!(refused(Actuator { cavity_floor: Some(4.1), ..base.clone() }), NotMovable::Planes { axis: 'z' });
+    assert!(matches!(refused(Actuator { base: -1.0, ..base.clone() }), NotMovable::Geometry(_)));
+}

@@ -1,6 +1,7 @@
 //! What a state is measured by: norms of forces, the path's rate, energies.
 
-use pneuflex_assembly::{Contribution, LocalError, Request, RigidMotion, Totals};
+use pneuflex_assembly::{Contribution, Couplings, LocalError, Request, RigidMotion, Totals};
+use pneuflex_factor::FactorError;
 
 use super::System;
 use crate::error::AssembleError;
@@ -44,6 +45,33 @@ impl System {
             }
         }
         Ok(self.solve(tangent, &ahead, held)?.scaled(1.0 / change))
+    }
+
+    /// Kᵀ times a nodal field at a displacement, over all degrees of freedom. What follows others counts by those.
+    ///
+    /// Of the unsymmetric part a tangent keeps what couples free degrees of freedom; here it is all of it, as a force on a held one depends on
+    /// the free ones beside it.
+    ///
+    /// # Errors
+    /// If the tangent is that of another problem.
+    pub(crate) fn transposed_product(
+        &self,
+        tangent: &Tangent,
+        displacement: &[[f64; 3]],
+        field: &[[f64; 3]],
+    ) -> Result<Vec<[f64; 3]>, FactorError> {
+        let mut product = tangent.symmetric_product(field.as_flattened())?;
+        let mut couplings = Couplings::default();
+        for contribution in &self.contributions {
+            contribution.add_couplings(displacement, &mut couplings);
+        }
+        let mut expanded = field.to_vec();
+        self.elimination.expand(&mut expanded);
+        let mut unsymmetric = vec![0.0; product.len()];
+        couplings.transposed().add_product(expanded.as_flattened(), &mut unsymmetric);
+        self.elimination.condense(&mut unsymmetric);
+        product.iter_mut().zip(unsymmetric).for_each(|(force, more)| *force += more);
+        Ok(product.as_chunks().0.to_vec())
     }
 
     /// Norm of a nodal field over the free degrees of freedom.

@@ -9,7 +9,7 @@ use std::time::Instant;
 use pneuflex_assembly::{
     Assembler, Contribution, Elimination, Position, Prediction, Request, RigidMotion, Totals, Unilateral,
 };
-use pneuflex_factor::{FactorError, Ordering, Parallelism, Symbolic};
+use pneuflex_factor::{FactorError, Parallelism, Symbolic};
 use pneuflex_mesh::Mesh;
 use pneuflex_model::{LoadParameter, Problem};
 
@@ -23,8 +23,7 @@ use crate::timing::Timing;
 
 mod assembling;
 mod measures;
-
-use assembling::assembler_of;
+mod room;
 
 pub(crate) use assembling::unilateral;
 
@@ -37,7 +36,8 @@ pub struct System {
     pub(crate) contributions: Vec<Box<dyn Contribution>>,
     assembler: Assembler,
     symbolic: Arc<Symbolic<3>>,
-    rotation_update: RotationUpdate,
+    /// `None` where displacements do not move.
+    rotation_update: Option<RotationUpdate>,
     totals: Totals,
     held: Arc<[bool]>,
     elimination: Arc<Elimination>,
@@ -87,28 +87,10 @@ impl System {
         parallelism: Parallelism,
     ) -> Result<Self, SetupError> {
         let start = Instant::now();
-        let assembler = assembler_of(mesh.num_nodes(), &contributions, &elimination, &[]);
-        let mut fixed = held.clone();
-        elimination.slaves().for_each(|slave| fixed[slave] = true);
-        let symbolic = Arc::new(Symbolic::analyze(assembler.pattern(), Ordering::default())?);
-        let rotation_update = RotationUpdate::new(mesh, &held, parallelism)?;
+        let rotation_update = Some(RotationUpdate::new(mesh, &held, parallelism)?);
+        let system = Self::with_room(mesh, (held, elimination), contributions, &[], parallelism)?;
         let timing = Timing { factor_s: start.elapsed().as_secs_f64(), ..Timing::default() };
-        Ok(Self {
-            num_bordered: contributions.iter().map(|contribution| contribution.num_bordered()).sum(),
-            contributions,
-            assembler,
-            symbolic,
-            rotation_update,
-            totals: Totals::default(),
-            held: held.into(),
-            elimination: Arc::new(elimination),
-            fixed: fixed.into(),
-            spacing: mesh.mean_node_spacing(),
-            parallelism,
-            buffers: None,
-            responses: None,
-            timing,
-        })
+        Ok(Self { rotation_update, timing, ..system })
     }
 
     /// For every degree of freedom (3 · node + axis) whether it is held.
@@ -282,12 +264,15 @@ impl System {
     /// As [`Self::apply`].
     pub fn move_by(&mut self, state: &mut State, correction: &Correction) -> Result<(), AssembleError> {
         let start = Instant::now();
-        let moved = if correction.largest() < STRAIGHT_BELOW * self.spacing {
-            let pairs = state.displacement.as_flattened_mut().iter_mut().zip(correction.displacement.as_flattened());
-            pairs.for_each(|(u, delta)| *u += delta);
-            Ok(())
-        } else {
-            self.rotation_update.apply(&mut state.displacement, &correction.displacement)
+        let is_small = correction.largest() < STRAIGHT_BELOW * self.spacing;
+        let moved = match self.rotation_update.as_mut().filter(|_| !is_small) {
+            Some(rotation_update) => rotation_update.apply(&mut state.displacement, &correction.displacement),
+            None => {
+                let pairs =
+                    state.displacement.as_flattened_mut().iter_mut().zip(correction.displacement.as_flattened());
+                pairs.for_each(|(u, delta)| *u += delta);
+                Ok(())
+            }
         };
         self.elimination.expand(&mut state.displacement);
         for (value, delta) in state.bordered.iter_mut().zip(&correction.bordered) {
@@ -328,9 +313,21 @@ impl System {
     /// How much a correction deforms the body at a displacement.
     pub fn extent(&mut self, displacement: &[[f64; 3]], correction: &[[f64; 3]]) -> Extent {
         let start = Instant::now();
-        let extent = self.rotation_update.extent(displacement, correction);
+        let unknown = Extent { stretch: f64::INFINITY, angle: f64::INFINITY };
+        let rotation_update = self.rotation_update.as_ref();
+        let extent = rotation_update.map_or(unknown, |update| update.extent(displacement, correction));
         self.timing.solve_s += start.elapsed().as_secs_f64();
         extent
+    }
+
+    /// The slaves of a nodal field follow their masters.
+    pub(crate) fn expand(&self, field: &mut [[f64; 3]]) {
+        self.elimination.expand(field);
+    }
+
+    /// Masters take what acts on their slaves.
+    pub(crate) fn condense(&self, forces: &mut [[f64; 3]]) {
+        self.elimination.condense(forces.as_flattened_mut());
     }
 
     /// Tells the contributions that a step begins at a state.

@@ -220,7 +220,7 @@ mod tests {
             (Shape::Plane { point: centre, normal: [0.0, 0.0, 3.0] }, &|x| from(x)[2].max(0.0)),
         ];
         for (shape, distance) in shapes {
-            let faces = surface(&thing(shape, motion()), at, &body);
+            let faces = surface(&thing(shape.clone(), motion()), at, &body);
             let vertices = || faces.iter().flat_map(|face| &face.vertices);
             assert!(!faces.is_empty() && vertices().all(|v| distance(v.position).abs() < 1e-9), "{shape:?}");
             assert!(vertices().all(|v| (norm(v.normal) - 1.0).abs() < 1e-9), "{shape:?}");

@@ -1,0 +1,406 @@
+//! Exact derivatives of results by the numbers of a case or model file (theory §18): what changes a result most, and by how much.
+//!
+//! One more solution with the tangent of a state gives the multipliers of a result; with them, every number costs a few evaluations of the
+//! equations at the displacements of the state ([`pneuflex_newton::adjoint`]). The derivatives are those of the equilibrium on its mesh, which
+//! follows the lengths with the same elements.
+//!
+//! ```
+//! let mut study = pneuflex::Study::from_text("finger.toml", &pneuflex::template::two_chambers())?;
+//! study.set("mesh.size", "9")?.set("mesh.element", "hex8-q1p0")?.set("load.pressure_kpa", "[5]")?; // coarse, to be quick
+//! let analysis = study.build()?;
+//! let solution = analysis.solve()?;
+//!
+//! let found = analysis.gradients(&solution.fields, &["end_face_angle".parse()?], None)?;
+//! let by = |key: &str| found[0].derivatives.iter().find(|derivative| derivative.by == key).map(|found| found.derivative);
+//! assert!(by("material.c10").is_some_and(|slope| slope < 0.0)); // degrees per MPa: a stiffer finger bends less
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod check;
+mod results;
+#[cfg(test)]
+mod tests;
+mod variables;
+mod variants;
+
+use std::cmp::Ordering;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Instant;
+
+use pneuflex_model::{ContactMethod, LoadParameter, Pressure, Problem, StateKind};
+use pneuflex_newton::adjoint::{Frozen, Linearised, Multipliers};
+use pneuflex_newton::{ConvergedState, springs_of};
+use pneuflex_post::summary::StepSummary;
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use self::check::{Checked, check};
+use self::results::Scalar;
+use self::variables::{Kind, Variable};
+use self::variants::Variants;
+use crate::analysis::Analysis;
+use crate::columns::Tip;
+use crate::error::{Error, ResultsError};
+use crate::folder::{GRADIENTS, OutputFolder};
+use crate::input_error::InputError;
+use crate::json;
+
+/// What is asked for: `COLUMN` or `COLUMN@PRESSURE`, e.g. `end_face_angle@35`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// A column of [`crate::columns`], with or without its unit, a vector, whose length is meant, or `force`.
+    pub column: String,
+    /// Pressure in kPa, or time of a model, at which; `None` for the last one that is asked for.
+    pub at: Option<f64>,
+}
+
+impl FromStr for Request {
+    type Err = InputError;
+
+    fn from_str(text: &str) -> Result<Self, InputError> {
+        let Some((column, at)) = text.rsplit_once('@') else {
+            return Ok(Self { column: text.trim().to_owned(), at: None });
+        };
+        let at: Option<f64> = at.trim().parse().ok().filter(|at: &f64| at.is_finite());
+        match at {
+            Some(at) => Ok(Self { column: column.trim().to_owned(), at: Some(at) }),
+            None => Err(InputError::new(format!("{text}: expected RESULT or RESULT@PRESSURE, e.g. end_face_angle@35"))),
+        }
+    }
+}
+
+impl fmt::Display for Request {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.at {
+            Some(at) => write!(f, "{}@{at}", self.column),
+            None => f.write_str(&self.column),
+        }
+    }
+}
+
+/// The derivatives of a result of a state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gradient {
+    /// The result's column.
+    pub of: String,
+    /// Time of the state; left out for actuators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Its pressure, kPa; that of the first cavity of a model.
+    pub pressure_kpa: f64,
+    /// The result there.
+    pub value: f64,
+    /// By every number, the greatest effect of a change by a percent first.
+    pub derivatives: Vec<Derivative>,
+    /// Numbers by which there is no derivative.
+    pub without: Vec<NoDerivative>,
+    /// Seconds spent on all results of the state.
+    pub seconds: f64,
+}
+
+/// The derivative of a result by a number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Derivative {
+    /// Key of the number.
+    pub by: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit; empty for none.
+    pub unit: &'static str,
+    /// Change of the result per unit of the number.
+    pub derivative: f64,
+    /// Change of the result when the number grows by one percent of itself.
+    pub per_percent: f64,
+}
+
+/// A number by which there is no derivative.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoDerivative {
+    /// Its key.
+    pub by: String,
+    /// Why.
+    pub why: String,
+}
+
+impl Analysis {
+    /// Refuses what there are no derivatives of, before anything is solved.
+    ///
+    /// # Errors
+    /// A result that the body does not have, or that has no derivative; a pressure or time that is not asked for; contact that has no
+    /// derivative.
+    pub fn check_gradients(&self, requests: &[Request]) -> Result<(), Error> {
+        if requests.is_empty() {
+            return Ok(());
+        }
+        self.check_contact()?;
+        let rest = self.describe(&at_rest(&self.problem))?.summary;
+        let tip = Tip::of_analysis(self);
+        for request in requests {
+            self.position(request)?;
+            Scalar::check(&request.column, &rest, self, &tip)?;
+        }
+        Variants::of(self)?;
+        Ok(())
+    }
+
+    /// Refuses contact and constraints that have no derivative.
+    fn check_contact(&self) -> Result<(), InputError> {
+        let Some((key, why)) = self.without_gradient() else { return Ok(()) };
+        Err(InputError::new(format!("{key}: {why}, and its states have no derivatives")).of_key(key))
+    }
+
+    /// Key and reason of what in it has no derivative.
+    fn without_gradient(&self) -> Option<(&'static str, &'static str)> {
+        let Problem { contact_pairs, contact, obstacles, ties, distances, .. } = &self.problem;
+        let is_mortar = contact_pairs.iter().any(|pair| pair.method.unwrap_or(contact.method) == ContactMethod::Mortar);
+        let until = contact_pairs.iter().map(|pair| pair.interference_until);
+        let overlaps = until.chain(obstacles.iter().map(|obstacle| obstacle.interference_until)).any(|it| it.is_some());
+        if is_mortar {
+            Some(("contact.method", "gaps that are averaged (\"mortar\") are cut anew in every state"))
+        } else if overlaps {
+            Some(("contact.interference", "an overlap at rest changes with the lengths and would begin or end"))
+        } else if !(ties.is_empty() && distances.is_empty()) {
+            Some(("model.file", "its glued surfaces and rigid bodies are not part of the adjoint's equations"))
+        } else if !springs_of(&self.problem).is_empty() {
+            Some(("support", "only contact holds a part of the body, whose place depends on the path"))
+        } else {
+            None
+        }
+    }
+
+    /// Where on the load path a request is.
+    fn position(&self, request: &Request) -> Result<LoadParameter, InputError> {
+        let wanted = request.at.map(LoadParameter).or(self.requested.last().copied()).unwrap_or_default();
+        let is_asked_for = self.requested.contains(&wanted);
+        is_asked_for.then_some(wanted).ok_or_else(|| {
+            let clock = self.problem.clock;
+            let known: Vec<String> = self.requested.iter().map(|at| clock.words(*at)).collect();
+            let what = format!("{request}: no state is asked for at {}", clock.words(wanted));
+            InputError::new(what).with_help(Some(format!("there are {}", known.join(", "))))
+        })
+    }
+
+    /// The gradients that are asked for, of states that were reached; by all numbers of the file, or by those of some keys.
+    ///
+    /// # Errors
+    /// What [`Self::check_gradients`] refuses; a state that was not reached here; contact that carries multipliers; a key by which there is no
+    /// derivative; a state whose equations have no unique solution.
+    pub fn gradients(
+        &self,
+        states: &[ConvergedState],
+        requests: &[Request],
+        keys: Option<&[String]>,
+    ) -> Result<Vec<Gradient>, Error> {
+        if requests.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.check_contact()?;
+        let mut found: Vec<(usize, Gradient)> = Vec::new();
+        let positions: Vec<LoadParameter> =
+            requests.iter().map(|request| self.position(request)).collect::<Result<_, _>>()?;
+        for (first, at) in positions.iter().enumerate().filter(|(i, at)| !positions[..*i].contains(at)) {
+            let of_state: Vec<usize> = (first..requests.len()).filter(|i| positions[*i] == *at).collect();
+            let state = states.iter().find(|state| state.parameter == *at && state.kind.is_requested());
+            let state = state.ok_or_else(|| {
+                let what = format!("{}: the displacements there are not known", requests[first]);
+                let help =
+                    "solve it from rest: what an earlier run has reached is known by its results alone".to_owned();
+                InputError::new(what).with_help(Some(help))
+            })?;
+            let columns: Vec<&str> = of_state.iter().map(|i| requests[*i].column.as_str()).collect();
+            found.extend(of_state.into_iter().zip(self.gradients_at(state, &columns, keys, true)?));
+        }
+        found.sort_by_key(|(number, _)| *number);
+        Ok(found.into_iter().map(|(_, gradient)| gradient).collect())
+    }
+
+    /// The gradients at a state. `by_nodes` lets lengths count by the slopes along the positions of all nodes, where there are any.
+    fn gradients_at(
+        &self,
+        state: &ConvergedState,
+        columns: &[&str],
+        keys: Option<&[String]>,
+        by_nodes: bool,
+    ) -> Result<Vec<Gradient>, Error> {
+        let began = Instant::now();
+        if state.contact_multipliers.iter().any(|multiplier| *multiplier != 0.0) {
+            let what = "penetration_tolerance: contact carries multipliers, which depend on the way to the state";
+            let help =
+                "give a larger penetration_tolerance and a larger stiffness, so that the penalty alone is enough";
+            return Err(InputError::new(what).with_help(Some(help.to_owned())).into());
+        }
+        let summary = self.describe(state)?.summary;
+        let tip = Tip::of_analysis(self);
+        let scalars = columns.iter().map(|column| Scalar::find(column, &summary, self, &tip));
+        let scalars: Vec<Scalar> = scalars.collect::<Result<_, _>>()?;
+        let failed = |why: String| InputError::new(format!("there is no gradient: {why}"));
+        let linearised = Linearised::at(&self.problem, state).map_err(|cause| failed(cause.to_string()))?;
+        let multipliers = scalars.iter().map(|scalar| {
+            let objective = scalar.objective(&self.problem, linearised.displacement());
+            let objective = objective.map_err(|error| failed(error.to_string()))?;
+            linearised.multipliers(&objective).map_err(|cause| failed(cause.to_string()))
+        });
+        let multipliers: Vec<Multipliers> = multipliers.collect::<Result<_, InputError>>()?;
+        let shapes = multipliers.iter().filter(|_| by_nodes).map(|result| linearised.shape_slope(result));
+        let shapes: Vec<Option<Vec<[f64; 3]>>> =
+            shapes.collect::<Result<_, _>>().map_err(|cause| failed(cause.to_string()))?;
+        let shapes: Option<Vec<Vec<[f64; 3]>>> = shapes.into_iter().collect();
+        let variants = Variants::of(self)?;
+        let at = state.parameter;
+        let variables = match keys {
+            Some(keys) => keys.iter().map(|key| variants.find(key, at)).collect::<Result<Vec<_>, _>>()?,
+            None => variants.all(at),
+        };
+        let by_nodes = shapes.as_deref().filter(|_| by_nodes);
+        let (linearised, variants) = (&linearised, &variants);
+        let slopes = Slopes { linearised, variants, scalars: &scalars, multipliers: &multipliers, by_nodes, at };
+        let found: Vec<Result<Vec<f64>, String>> = variables.par_iter().map(|variable| slopes.by(variable)).collect();
+        if let Some((variable, Err(why))) =
+            variables.iter().zip(&found).find(|(_, found)| keys.is_some() && found.is_err())
+        {
+            let key = &variable.key;
+            return Err(InputError::new(format!("no derivative by {key}: {why}")).of_key(key).into());
+        }
+        let seconds = began.elapsed().as_secs_f64();
+        let gradient = |number: usize| gradient(&scalars[number], number, &summary, &variables, &found, seconds);
+        Ok((0..scalars.len()).map(gradient).collect())
+    }
+}
+
+/// What the derivatives at a state are made from.
+struct Slopes<'a> {
+    linearised: &'a Linearised,
+    variants: &'a Variants<'a>,
+    scalars: &'a [Scalar],
+    multipliers: &'a [Multipliers],
+    /// Slopes of the Lagrangians by the positions of the nodes at rest, if they are known.
+    by_nodes: Option<&'a [Vec<[f64; 3]>]>,
+    at: LoadParameter,
+}
+
+impl Slopes<'_> {
+    /// The derivatives by a length that moves nodes and changes nothing else; `None` for others, and where the slopes by the nodes are not known.
+    fn by_nodes(&self, variable: &Variable) -> Result<Option<Vec<f64>>, String> {
+        let Self { linearised, variants, scalars, .. } = self;
+        let Some(by_nodes) = self.by_nodes.filter(|_| variants.is_of_shape(variable)) else { return Ok(None) };
+        let (step, base) = (variants.step(variable), variants.problem());
+        let (high, _) = variants.with(variable, variable.value + step, self.at)?;
+        if (Problem { mesh: Arc::clone(&base.mesh), ..high.clone() }) != *base {
+            return Ok(None);
+        }
+        let with = |steps: f64| -> Result<Problem, String> {
+            Ok(Problem { mesh: variants.mesh_with(variable, variable.value + steps * step)?, ..base.clone() })
+        };
+        let [far_low, low, far_high] = [with(-2.0)?, with(-1.0)?, with(2.0)?];
+        // Nodes move evenly with a length.
+        let ends = low.mesh.nodes.as_flattened().iter().zip(high.mesh.nodes.as_flattened());
+        let motion: Vec<f64> = ends.map(|(low, high)| (high - low) / (2.0 * step)).collect();
+        let frozen = Frozen {
+            displacement: linearised.displacement().to_vec(),
+            cavity_pressures: vec![Pressure::default(); base.cavities.len()],
+            lagrangians: Vec::new(),
+        };
+        let slope = |(scalar, by_nodes): (&Scalar, &Vec<[f64; 3]>)| {
+            let at = |problem: &Problem| scalar.explicit(problem, &frozen).map_err(|error| error.to_string());
+            let explicit = extrapolated([at(&low)?, at(&high)?], [at(&far_low)?, at(&far_high)?], step);
+            let along = by_nodes.as_flattened().iter().zip(&motion).map(|(slope, motion)| slope * motion);
+            Ok(explicit + along.sum::<f64>())
+        };
+        scalars.iter().zip(by_nodes).map(slope).collect::<Result<Vec<f64>, String>>().map(Some)
+    }
+
+    /// The derivatives of all results by a number: central differences of the Lagrangians, extrapolated where these are not linear in it.
+    fn by(&self, variable: &Variable) -> Result<Vec<f64>, String> {
+        if let Some(slopes) = self.by_nodes(variable)? {
+            return Ok(slopes);
+        }
+        let step = self.variants.step(variable);
+        let at = |steps: f64| self.lagrangians(variable, variable.value + steps * step);
+        let [low, high] = [at(-1.0)?, at(1.0)?];
+        if variable.kind == Kind::Linear {
+            return Ok(low.iter().zip(&high).map(|(low, high)| (high - low) / (2.0 * step)).collect());
+        }
+        let [far_low, far_high] = [at(-2.0)?, at(2.0)?];
+        let slope = |i: usize| extrapolated([low[i], high[i]], [far_low[i], far_high[i]], step);
+        Ok((0..self.scalars.len()).map(slope).collect())
+    }
+
+    fn lagrangians(&self, variable: &Variable, value: f64) -> Result<Vec<f64>, String> {
+        let (problem, at) = self.variants.with(variable, value, self.at)?;
+        let frozen = self.linearised.frozen(&problem, at, self.multipliers).map_err(|cause| cause.to_string())?;
+        let frozen: Frozen = frozen.ok_or("a point that touches slides off its face")?;
+        let of_scalar = |(scalar, lagrangian): (&Scalar, &f64)| {
+            scalar.explicit(&problem, &frozen).map(|explicit| explicit + lagrangian).map_err(|error| error.to_string())
+        };
+        self.scalars.iter().zip(&frozen.lagrangians).map(of_scalar).collect()
+    }
+}
+
+/// The derivative from values at ± one step and at ± two (Richardson): what is left is of the fourth order in the step.
+fn extrapolated([low, high]: [f64; 2], [far_low, far_high]: [f64; 2], step: f64) -> f64 {
+    (8.0 * (high - low) - (far_high - far_low)) / (12.0 * step)
+}
+
+fn gradient(
+    scalar: &Scalar,
+    number: usize,
+    summary: &StepSummary,
+    variables: &[Variable],
+    found: &[Result<Vec<f64>, String>],
+    seconds: f64,
+) -> Gradient {
+    let (mut derivatives, mut without) = (Vec::new(), Vec::new());
+    for (variable, found) in variables.iter().zip(found) {
+        let Variable { key, value, unit, .. } = variable.clone();
+        match found {
+            Ok(slopes) => {
+                let derivative = slopes[number];
+                let per_percent = 0.01 * value * derivative;
+                derivatives.push(Derivative { by: key, value, unit, derivative, per_percent });
+            }
+            Err(why) => without.push(NoDerivative { by: key, why: why.clone() }),
+        }
+    }
+    derivatives.sort_by(|a, b| b.per_percent.abs().partial_cmp(&a.per_percent.abs()).unwrap_or(Ordering::Equal));
+    Gradient {
+        of: scalar.column.clone(),
+        time: summary.time,
+        pressure_kpa: summary.pressure_kpa,
+        value: scalar.value,
+        derivatives,
+        without,
+        seconds,
+    }
+}
+
+/// Writes the gradients into a result folder.
+///
+/// # Errors
+/// A file that cannot be written; a number that is not finite.
+pub fn write_gradients(folder: &OutputFolder, gradients: &[Gradient]) -> Result<(), Error> {
+    let text = json::pretty(&gradients).map_err(|why| ResultsError::not_representable(GRADIENTS, why))?;
+    Ok(folder.write(GRADIENTS, text)?)
+}
+
+/// The body at rest, as a state.
+fn at_rest(problem: &Problem) -> ConvergedState {
+    let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
+    ConvergedState {
+        parameter: LoadParameter::default(),
+        kind: StateKind::default(),
+        negative_pivots: 0,
+        displacement: zero.clone(),
+        reaction: zero,
+        iterations: 0,
+        load_steps: 0,
+        contact_points: 0,
+        cavity_pressures: vec![Pressure::default(); problem.cavities.len()],
+        contact_multipliers: Vec::new(),
+        augmentation: None,
+        mesh_motions: None,
+        bifurcations: Vec::new(),
+        snaps: Vec::new(),
+    }
+}
