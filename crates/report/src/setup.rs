@@ -100,7 +100,7 @@ pub fn render(setup: &Setup<'_>) -> Result<String, ReportError> {
                 script type="importmap" { (PreEscaped(assets::import_map())) }
             }
             body {
-                header .masthead { div .titles { h1 { (title) } p { (about) " · before it is solved" } } }
+                header .masthead { div .titles { h1 { (title) } p { (about) @if !about.is_empty() { " · " } "before it is solved" } } }
                 main {
                     div .dashboard {
                         section .viewer aria-label="The body in three dimensions" { (stage("body", false)) }
