@@ -5,6 +5,7 @@
 //! a force along d, whose direction turns with the body: the tangent has λ ∂²g/∂u² as well. The blocks are the augmented Lagrangian
 //! λ g + ½ γ g²; γ changes no solution, and keeps the tangent regular.
 
+use pneuflex_mesh::vector::{norm, sub};
 use pneuflex_model::Problem;
 
 use crate::contribution::{BorderedEquation, Contribution, Position};
@@ -39,7 +40,7 @@ impl Distances {
 
     /// Pairs of nodes that are at `nodes` at rest, with a stiffness in N/mm, for a body of a size (mm).
     pub fn new(pairs: &[[u32; 2]], nodes: &[[f64; 3]], stiffness: f64, size: f64) -> Self {
-        let between = |&[a, b]: &[u32; 2]| std::array::from_fn(|k| nodes[a as usize][k] - nodes[b as usize][k]);
+        let between = |&[a, b]: &[u32; 2]| sub(nodes[a as usize], nodes[b as usize]);
         Self {
             pairs: pairs.to_vec(),
             at_rest: pairs.iter().map(between).collect(),
@@ -53,15 +54,11 @@ impl Distances {
     fn violation(&self, pair: usize, displacement: &[[f64; 3]]) -> (f64, [f64; 3]) {
         let ([a, b], rest) = (self.pairs[pair].map(|node| displacement[node as usize]), self.at_rest[pair]);
         let length = norm(rest);
-        let change: [f64; 3] = std::array::from_fn(|k| a[k] - b[k]);
+        let change = sub(a, b);
         // |d|² − L² without cancellation.
         let difference: f64 = (0..3).map(|k| change[k] * (2.0 * rest[k] + change[k])).sum();
         (difference / (2.0 * length), std::array::from_fn(|k| (rest[k] + change[k]) / length))
     }
-}
-
-fn norm(x: [f64; 3]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl Contribution for Distances {

@@ -3,6 +3,7 @@
 use std::fs;
 
 use pneuflex::InputError;
+use pneuflex::folder::PICTURE;
 use pneuflex::picture::{Colours, Look};
 use pneuflex::plot::picture::View;
 
@@ -16,7 +17,7 @@ use crate::terminal::say;
 /// A folder that is none of this program's, files that are missing or damaged, results without fields, a state that is not among them, a file that
 /// is no picture or cannot be written.
 pub fn picture(arguments: &PictureArguments) -> Result<(), CliError> {
-    let out = arguments.out.clone().unwrap_or_else(|| arguments.results.join("picture.png"));
+    let out = arguments.out.clone().unwrap_or_else(|| arguments.results.join(PICTURE));
     let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let is_svg = match ending.as_deref() {
         Some("png") => false,

@@ -12,6 +12,7 @@
 
 use std::collections::BTreeMap;
 
+use pneuflex_mesh::vector::bounds;
 use pneuflex_mesh::{FaceKind, Facet, Mesh, shape};
 use pneuflex_model::{LinearEquation, Tie};
 
@@ -204,11 +205,7 @@ impl MasterFace {
     fn of(mesh: &Mesh, facet: Facet) -> Self {
         let nodes = mesh.facet_nodes(facet);
         let positions: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.nodes[node as usize]).collect();
-        let bound = |pick: fn(f64, f64) -> f64| {
-            let of = |d: usize| positions.iter().map(|x| x[d]).reduce(pick).unwrap_or(0.0);
-            [of(0), of(1), of(2)]
-        };
-        let bounds = [bound(f64::min), bound(f64::max)];
+        let bounds = bounds(positions.iter().copied()).unwrap_or_default();
         Self { kind: mesh.face_kind(facet), nodes, positions, bounds }
     }
 

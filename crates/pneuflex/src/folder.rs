@@ -22,10 +22,13 @@ pub const CASE_MARK: &str = "# pneuflex";
 
 /// The files of a run besides its fields, but `case.toml`, which stays until it is replaced: by it the folder is known as ours, even after
 /// a kill in between.
-const RESULTS: [&str; 5] = ["summary.json", "history.jsonl", "checkpoint.bin", GRADIENTS, REPORT];
+const RESULTS: [&str; 6] = ["summary.json", "history.jsonl", "checkpoint.bin", GRADIENTS, PICTURE, REPORT];
 
 /// File of the derivatives of results.
 pub const GRADIENTS: &str = "gradients.json";
+
+/// File of a picture of a state, unless another one is named.
+pub const PICTURE: &str = "picture.png";
 
 /// File by which it is found out whether a folder can be written to.
 const TRIAL: &str = ".pneuflex-trial";

@@ -93,6 +93,8 @@ pub fn picture(folder: &Path, look: &Look) -> Result<Drawing, Error> {
     let ends = "The colours end at the stress that 99 % of the volume stays below.";
     let mesh = format!("{} elements {}.", summary.mesh.elements, summary.mesh.element);
     let caption = if look.range.is_none() && of_stress.is_some() { format!("{mesh} {ends}") } else { mesh };
+    let is_part = !(problem.symmetry.is_empty() || body.is_mirrored);
+    let caption = if is_part { format!("{caption} One {} of the body.", problem.modelled_part()) } else { caption };
     let when = problem.clock.words(LoadParameter(rounded(state.time, DIGITS)));
     let figure = Figure {
         caption,

@@ -11,7 +11,7 @@ use crate::sensitivity::sensitivity;
 use crate::tables::{exactness, inputs, notices, status_text};
 
 /// Nothing may be loaded from anywhere: everything is in the page itself.
-pub(crate) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
                       base-uri 'none'; form-action 'none'";
 
 const PLAY: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path class="play" d="M8 5.5v13l11-6.5z"/><path class="pause" d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>"#;
@@ -21,6 +21,26 @@ const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3
 pub fn html(report: &Report<'_>, data: &str) -> String {
     let title = if report.title.is_empty() { report.about } else { report.title };
     let plots = format!("Plots against {}", report.parameter());
+    let body = html! {
+        (masthead(report, title))
+        (notices(report))
+        noscript { p .notice { "The three-dimensional view and the plots need JavaScript. The tables below do not." } }
+        main {
+            div .dashboard {
+                (viewer(report))
+                section #plots .plots aria-label=(plots) {}
+            }
+            (results(report))
+            (exactness(report))
+            (sensitivity(report))
+            (inputs(report))
+        }
+    };
+    document(&format!("{title} – pneuflex"), &body, data, "main")
+}
+
+/// A whole page: its body, the JSON that the modules read, and the module that is begun with.
+pub(crate) fn document(title: &str, body: &Markup, data: &str, module: &str) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -29,30 +49,18 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="color-scheme" content="light dark";
-                title { (title) " – pneuflex" }
+                title { (title) }
                 style { (PreEscaped(assets::STYLE)) }
                 script type="importmap" { (PreEscaped(assets::import_map())) }
             }
             body {
-                (masthead(report, title))
-                (notices(report))
-                noscript { p .notice { "The three-dimensional view and the plots need JavaScript. The tables below do not." } }
-                main {
-                    div .dashboard {
-                        (viewer(report))
-                        section #plots .plots aria-label=(plots) {}
-                    }
-                    (results(report))
-                    (exactness(report))
-                    (sensitivity(report))
-                    (inputs(report))
-                }
+                (body)
                 footer {
                     p { "Written by pneuflex. This page needs no network." }
                     details { summary { "Licence of three.js, which draws the view" } pre { (assets::LICENCES) } }
                 }
                 script #report-data type="application/json" { (PreEscaped(data)) }
-                script type="module" { (PreEscaped("import \"pneuflex/main\";")) }
+                script type="module" { (PreEscaped(format!("import \"pneuflex/{module}\";"))) }
             }
         }
     };

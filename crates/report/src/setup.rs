@@ -1,13 +1,12 @@
 //! The page that shows what would be solved, before it is: the body, and on it cavities, supports, loads, surfaces that may touch, regions.
 
-use maud::{DOCTYPE, PreEscaped, html};
+use maud::html;
 use pneuflex_mesh::{Facet, Mesh};
 use serde::Serialize;
 
-use crate::assets;
 use crate::body::Body;
 use crate::error::ReportError;
-use crate::page::{POLICY, stage};
+use crate::page::{document, stage};
 use crate::payload::{centre, for_script};
 use crate::quantise::floats;
 use crate::skin::Skin;
@@ -87,42 +86,25 @@ pub fn render(setup: &Setup<'_>) -> Result<String, ReportError> {
     };
     let data = for_script(&serde_json::to_string(&data).map_err(|e| ReportError::Json(e.to_string()))?);
     let title = if title.is_empty() { about } else { title };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="color-scheme" content="light dark";
-                title { (title) " – pneuflex check" }
-                style { (PreEscaped(assets::STYLE)) }
-                script type="importmap" { (PreEscaped(assets::import_map())) }
-            }
-            body {
-                header .masthead { div .titles { h1 { (title) } p { (about) @if !about.is_empty() { " · " } "before it is solved" } } }
-                main {
-                    div .dashboard {
-                        section .viewer aria-label="The body in three dimensions" { (stage("body", false)) }
-                        section #parts .parts aria-label="What is on the body" {
-                            @for (number, part) in parts.iter().enumerate() {
-                                label .part {
-                                    input type="checkbox" checked data-part=(number);
-                                    span .swatch {}
-                                    span { strong { (part.kind) } " " (part.name) }
-                                    span .count { (part.count()) }
-                                }
-                            }
+    let body = html! {
+        header .masthead { div .titles { h1 { (title) } p { (about) @if !about.is_empty() { " · " } "before it is solved" } } }
+        main {
+            div .dashboard {
+                section .viewer aria-label="The body in three dimensions" { (stage("body", false)) }
+                section #parts .parts aria-label="What is on the body" {
+                    @for (number, part) in parts.iter().enumerate() {
+                        label .part {
+                            input type="checkbox" checked data-part=(number);
+                            span .swatch {}
+                            span { strong { (part.kind) } " " (part.name) }
+                            span .count { (part.count()) }
                         }
                     }
                 }
-                footer { p { "Written by pneuflex. This page needs no network." } details { summary { "Licence of three.js, which draws the view" } pre { (assets::LICENCES) } } }
-                script #report-data type="application/json" { (PreEscaped(data)) }
-                script type="module" { (PreEscaped("import \"pneuflex/setup\";")) }
             }
         }
     };
-    Ok(page.into_string())
+    Ok(document(&format!("{title} – pneuflex check"), &body, &data, "setup"))
 }
 
 /// A face as triangles between its corners.

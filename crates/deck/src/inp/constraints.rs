@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pneuflex_mesh::{Facet, shape};
+use pneuflex_mesh::Facet;
+use pneuflex_mesh::vector::{norm, sub};
 use pneuflex_model::{Curve, LinearEquation, Support, Tie};
 
 use super::body::Body;
@@ -256,10 +257,10 @@ impl Constraints {
         }
         context.expect_word(kind.block, "WEIGHTINGMETHOD", &["UNIFORM"]);
         context.note(place, "*DISTRIBUTING: the reference node moves as the mean of the surface, by area; forces on it are spread alike");
-        let shares = shares(body, &facets);
+        let shares: BTreeMap<u32, f64> = body.mesh.shares_of_faces(&facets).into_iter().collect();
         let at = |node: u32| body.mesh.nodes[node as usize];
         let centre: [f64; 3] = std::array::from_fn(|k| shares.iter().map(|(&node, share)| share * at(node)[k]).sum());
-        let distance = |x: [f64; 3]| (0..3).map(|k| (x[k] - centre[k]).powi(2)).sum::<f64>().sqrt();
+        let distance = |x: [f64; 3]| norm(sub(x, centre));
         let size = shares.keys().map(|&node| distance(at(node))).fold(0.0, f64::max);
         let away = distance(at(reference));
         if away > OFF_CENTRE * size || shares.contains_key(&reference) {
@@ -401,28 +402,4 @@ fn directions(lines: &[DataLine], context: &mut Context<'_>) -> Option<[bool; 3]
         (first..=last).filter(|direction| *direction <= 3).for_each(|direction| axes[direction as usize - 1] = true);
     }
     Some(axes)
-}
-
-/// ∫ N_a dA of every node over the area of some faces.
-fn shares(body: &Body, facets: &[Facet]) -> BTreeMap<u32, f64> {
-    let mut shares: BTreeMap<u32, f64> = BTreeMap::new();
-    for &facet in facets {
-        let (kind, nodes) = (body.mesh.face_kind(facet), body.mesh.facet_nodes(facet));
-        for (xi, weight) in (kind.rule)() {
-            let here = shape::evaluate_face(kind, xi);
-            let tangent = |a: usize| -> [f64; 3] {
-                std::array::from_fn(|k| {
-                    (nodes.iter().zip(&here.gradients)).map(|(&n, g)| g[a] * body.mesh.nodes[n as usize][k]).sum()
-                })
-            };
-            let ([a, b, c], [d, e, f]) = (tangent(0), tangent(1));
-            let area = [b * f - c * e, c * d - a * f, a * e - b * d].iter().map(|x| x * x).sum::<f64>().sqrt();
-            for (&node, value) in nodes.iter().zip(&here.values) {
-                *shares.entry(node).or_default() += weight * area * value;
-            }
-        }
-    }
-    let total: f64 = shares.values().sum();
-    shares.values_mut().for_each(|share| *share /= total);
-    shares
 }

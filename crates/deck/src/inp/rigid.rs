@@ -4,6 +4,7 @@
 //! position between theirs. An affine motion is rigid if these keep their distances. Where two rotations are held, or all three, less
 //! is needed: a motion in the plane across the axis is that of two nodes, and what does not turn moves as its reference does.
 
+use pneuflex_mesh::vector::{cross, dot, norm, sub};
 use pneuflex_model::{Curve, LinearEquation};
 
 /// What is flat or straight up to this share of its size is taken so.
@@ -148,22 +149,6 @@ impl Frame {
         let others: Vec<f64> = self.reciprocal[..self.nodes.len() - 1].iter().map(|edge| dot(*edge, x)).collect();
         std::iter::once(1.0 - others.iter().sum::<f64>()).chain(others).collect()
     }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -153,7 +153,7 @@ impl Analysis {
 
     /// Key and reason of what in it has no derivative.
     fn without_gradient(&self) -> Option<(&'static str, &'static str)> {
-        let Problem { contact_pairs, contact, obstacles, ties, distances, .. } = &self.problem;
+        let Problem { contact_pairs, contact, obstacles, distances, .. } = &self.problem;
         let is_mortar = contact_pairs.iter().any(|pair| pair.method.unwrap_or(contact.method) == ContactMethod::Mortar);
         let until = contact_pairs.iter().map(|pair| pair.interference_until);
         let overlaps = until.chain(obstacles.iter().map(|obstacle| obstacle.interference_until)).any(|it| it.is_some());
@@ -161,8 +161,8 @@ impl Analysis {
             Some(("contact.method", "gaps that are averaged (\"mortar\") are cut anew in every state"))
         } else if overlaps {
             Some(("contact.interference", "an overlap at rest changes with the lengths and would begin or end"))
-        } else if !(ties.is_empty() && distances.is_empty()) {
-            Some(("model.file", "its glued surfaces and rigid bodies are not part of the adjoint's equations"))
+        } else if !distances.is_empty() {
+            Some(("model.file", "it has rigid bodies, whose distances are not part of the adjoint's equations"))
         } else if !springs_of(&self.problem).is_empty() {
             Some(("support", "only contact holds a part of the body, whose place depends on the path"))
         } else {

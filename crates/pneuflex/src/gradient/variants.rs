@@ -9,6 +9,7 @@ use pneuflex_mesh::{Actuator, Cuts, Mesh};
 use pneuflex_model::load::{Cavity, Control, Gas, Load};
 use pneuflex_model::model_file::Model;
 use pneuflex_model::{Case, CaseError, Clock, Curve, LoadParameter, Problem};
+use pneuflex_newton::glued;
 use toml::Value;
 
 use super::variables::{Kind, Step, Variable, collect};
@@ -223,7 +224,8 @@ impl<'a> Variants<'a> {
         }
         let schedule = undressed.schedule.as_ref().map(|(times, first)| (&times[..], *first));
         let said = |errors: Vec<CaseError>| errors.first().map_or_else(String::new, ToString::to_string);
-        Ok(changed.study(body, schedule).map_err(said)?.problem)
+        let problem = changed.study(body, schedule).map_err(said)?.problem;
+        glued(problem).map(|(problem, _)| problem).map_err(|error| error.to_string())
     }
 
     fn mesh_of(&self, changed: &Changed) -> Result<Arc<Mesh>, String> {
