@@ -98,7 +98,7 @@ fn wall_pressure(m: &Material, stretch: f64) -> f64 {
 
 /// P_R at the outer surface, MPa, with radius r, mm, and P_R at the inner one.
 fn stress_outside(m: &Material, radius: f64, stress: f64) -> f64 {
-    const INTERVALS: usize = 200;
+    const INTERVALS: usize = 64;
     let [inner, outer] = RADII;
     let h = (outer - inner) / INTERVALS as f64;
     let mut y = [radius, stress];
@@ -125,7 +125,12 @@ fn equilibrium(m: &Material, at: f64, [radius, stress]: [f64; 2]) -> [f64; 2] {
     let mut radial = around.powi(-2);
     for _ in 0..8 {
         let slope = (stresses(radial + 1e-6)[0] - stresses(radial - 1e-6)[0]) / 2e-6;
-        radial -= (stresses(radial)[0] - stress) / slope;
+        let correction = (stresses(radial)[0] - stress) / slope;
+        radial -= correction;
+        // The bulk modulus is so much larger than all stresses that nothing better can be had.
+        if correction.abs() < 1e-14 * radial {
+            break;
+        }
     }
     [radial, 2.0 * (stresses(radial)[1] - stress) / at]
 }

@@ -98,7 +98,7 @@ fn every_design_has_its_rows_and_is_solved_once() {
     assert!(foreign.code == 2 && foreign.err.contains("nothing was touched"), "{foreign:?}");
 }
 
-/// Twenty designs, most of them near to another one, at a pressure at which chambers touch.
+/// Ten designs, most of them near to another one, at a pressure at which chambers touch.
 const NEAR: &str = r#"case = "cases/finger.toml"
 start = "neighbours"
 
@@ -108,7 +108,7 @@ load.pressure_kpa = [10, 40]
 
 [space]
 actuator.gap = [1.0, 1.03, 0.96, 1.05, 1.3]
-actuator.side_wall = [1.0, 1.02, 1.04, 0.98]
+actuator.side_wall = [1.0, 1.02]
 "#;
 
 /// Two that do not come to the second pressure.
@@ -168,7 +168,7 @@ fn designs_that_start_from_neighbours_have_the_same_table() {
         found
     };
     let near = sweep("near", &["--workers", "2"]);
-    let [mut first, mut last] = [["0"; 16].to_vec(), vec!["", "16", "16", "16", "", ""]];
+    let [mut first, mut last] = [["0"; 8].to_vec(), vec!["", "8", "", ""]];
     first[0] = "";
     first.append(&mut last);
     assert_eq!(started_from(&scratch, "near"), first);
@@ -189,7 +189,7 @@ fn designs_that_start_from_neighbours_have_the_same_table() {
 
 #[test]
 fn jobs_start_from_neighbours_of_their_own_and_do_without_damaged_ones() {
-    let text = NEAR.replace(", 1.02, 1.04, 0.98]", "]");
+    let text = NEAR.replace(", 1.02]", "]");
     let scratch = with_sweep("sweep-neighbours-jobs", &text);
     let job = |more: &[&str]| {
         let ended =

@@ -29,10 +29,6 @@ fn touching(kind: ElementKind) -> (Mesh, Vec<ContactPair>, Vec<[f64; 3]>) {
 fn force_and_tangent_are_derivatives_of_the_energy() {
     for kind in ElementKind::ALL {
         for method in [ContactMethod::SinglePoint, ContactMethod::MultiPoint, ContactMethod::Mortar] {
-            // The slowest of all, and of the order of `hex20`.
-            if kind == ElementKind::Hex27 && method == ContactMethod::Mortar {
-                continue;
-            }
             let (mesh, pairs, positions) = touching(kind);
             let mut model = ContactModel::new(mesh.clone(), &pairs, &Contact { method, ..Contact::default() });
             model.cut(&positions);

@@ -53,6 +53,14 @@ fn sum(model: &ContactModel, positions: &[[f64; 3]], hessian: Vec<Vec<f64>>) -> 
     total
 }
 
+/// Directions in which every node moves, without a pattern: a wrong entry shows in all of them.
+fn directions(num_dofs: usize) -> impl Iterator<Item = Vec<f64>> {
+    const COUNT: usize = 8;
+    // Weyl's sequence, of which no two directions have the same part.
+    let value = |i: usize| 2.0 * (0.618_033_988_749_895 * (i + 1) as f64).fract() - 1.0;
+    (0..COUNT).map(move |k| (0..num_dofs).map(|dof| value(k * num_dofs + dof)).collect())
+}
+
 /// Force and tangent against central differences of energy and force, in a state in which there is something to differentiate.
 #[track_caller]
 pub fn check_derivatives(model: &ContactModel, positions: &[[f64; 3]], what: &str) {
@@ -60,21 +68,25 @@ pub fn check_derivatives(model: &ContactModel, positions: &[[f64; 3]], what: &st
     let largest = here.gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let stiffest = here.hessian.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
     assert!(here.energy > 1e-3 && largest > 1e-2 && stiffest > 0.1, "nothing touches: {what}");
-    for dof in 0..3 * positions.len() {
+    for (k, direction) in directions(3 * positions.len()).enumerate() {
         let shifted = |by: f64| {
             let mut moved = positions.to_vec();
-            moved[dof / 3][dof % 3] += by;
+            moved.as_flattened_mut().iter_mut().zip(&direction).for_each(|(x, d)| *x += by * d);
             forces(model, &moved)
         };
+        let along = |row: &[f64]| -> f64 { row.iter().zip(&direction).map(|(value, d)| value * d).sum() };
         let h = 1e-6;
         let (low, high) = (shifted(-h), shifted(h));
-        let slope = (high.energy - low.energy) / (2.0 * h);
-        assert!((slope - here.gradient[dof]).abs() < 1e-7 * largest.max(1.0), "{what} force {dof}");
-        for other in 0..3 * positions.len() {
-            let slope = (high.gradient[other] - low.gradient[other]) / (2.0 * h);
-            let exact = here.hessian[dof][other];
-            assert!((slope - exact).abs() < 1e-6 * stiffest, "{what} tangent {dof} {other}: {exact} against {slope}");
-            assert!((exact - here.hessian[other][dof]).abs() < 1e-12 * stiffest, "{what} {dof} {other}");
+        let (slope, exact) = ((high.energy - low.energy) / (2.0 * h), along(&here.gradient));
+        assert!((slope - exact).abs() < 1e-7 * largest.max(1.0), "{what} force along {k}: {exact} against {slope}");
+        for (dof, row) in here.hessian.iter().enumerate() {
+            let (slope, exact) = ((high.gradient[dof] - low.gradient[dof]) / (2.0 * h), along(row));
+            assert!((slope - exact).abs() < 1e-6 * stiffest, "{what} tangent {dof} along {k}: {exact} against {slope}");
+        }
+    }
+    for (p, row) in here.hessian.iter().enumerate() {
+        for (q, value) in row.iter().enumerate() {
+            assert!((value - here.hessian[q][p]).abs() < 1e-12 * stiffest, "{what} {p} {q}");
         }
     }
 }
