@@ -128,7 +128,7 @@ fn surfaces() -> Vec<Files> {
 /// A file, and the body beside it that a model names.
 fn files_of(path: &Path) -> Option<Files> {
     let name = |path: &Path| Some(path.file_name()?.to_string_lossy().into_owned());
-    let is_input = path.extension().is_some_and(|end| ["toml", "inp", "csv"].iter().any(|known| end == *known));
+    let is_input = path.extension().is_some_and(|end| ["toml", "inp", "feb", "csv"].iter().any(|known| end == *known));
     let bytes = fs::read(path).ok().filter(|bytes| is_input && bytes.len() < MOST_BYTES)?;
     let table = String::from_utf8_lossy(&bytes).parse::<toml::Table>().ok();
     let body = table.as_ref().and_then(|table| table.get("model")?.get("file")?.as_str().map(PathBuf::from));

@@ -5,6 +5,7 @@
 //!
 //! * [`syntax`]: the text of an Abaqus or CalculiX `.inp` deck → keywords with their parameters and data lines.
 //! * [`inp`]: the meaning of such a deck → a problem with a schedule.
+//! * [`feb`]: FEBio's `.feb` files → the same.
 //! * [`msh`]: Gmsh's `.msh` files → a mesh with named sets.
 //! * [`vtk`], [`vtu`]: legacy `.vtk` and `.vtu` files of VTK → the same.
 //! * [`surface`]: surfaces of triangles, `.stl` and `.obj`, and what they bound.
@@ -12,6 +13,8 @@
 //!
 //! A deck has no units. It is taken in mm, N, MPa (and tonnes per mm³ for densities).
 
+mod deck;
+pub mod feb;
 pub mod inp;
 mod jacobian;
 mod mid_edges;
@@ -24,5 +27,5 @@ pub mod vtk;
 mod vtk_cells;
 pub mod vtu;
 
-pub use inp::{Deck, Label, Schedule, read};
+pub use deck::{Deck, Extent, Label, Schedule, read, read_extent};
 pub use report::{DeckError, Note};

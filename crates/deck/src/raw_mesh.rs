@@ -73,7 +73,7 @@ impl RawMesh {
     pub fn finish(read: Result<Self, (u32, String)>, name: &str) -> Result<MeshFile, Vec<DeckError>> {
         let mut report = Report::default();
         let file = match read {
-            Ok(raw) => build(&raw, &mut report),
+            Ok(raw) => raw.build(&mut report),
             Err((line, why)) => {
                 report.error(Place { file: 0, line }, why);
                 None
@@ -84,6 +84,11 @@ impl RawMesh {
             Some(file) => Ok(MeshFile { notes, ..file }),
             None => Err(vec![DeckError { file: name.to_owned(), line: 1, text: "the file holds no mesh".to_owned() }]),
         }
+    }
+
+    /// The mesh; what is wrong and worth knowing goes to the report.
+    pub fn build(&self, report: &mut Report) -> Option<MeshFile> {
+        build(self, report)
     }
 }
 
@@ -239,9 +244,9 @@ impl Groups<'_> {
 }
 
 /// Things by the ascending corners between which they lie.
-type Corners<T> = BTreeMap<Vec<u32>, Vec<T>>;
+pub(crate) type Corners<T> = BTreeMap<Vec<u32>, Vec<T>>;
 
-fn faces_by_corners(mesh: &Mesh) -> Corners<Facet> {
+pub(crate) fn faces_by_corners(mesh: &Mesh) -> Corners<Facet> {
     let mut found: Corners<Facet> = BTreeMap::new();
     for element in 0..mesh.num_elements() as u32 {
         for facet in mesh.facets_of(element) {

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use pneuflex_deck::Extent;
 use pneuflex_mesh::{Actuator, Division, Hollow, build_actuator_with};
 use pneuflex_model::load::Load;
 use pneuflex_model::model_file::Model;
@@ -141,7 +142,9 @@ impl Analysis {
         let (body, warning) = match (&model.model, &model.actuator) {
             (Some(source), _) => {
                 let body = store.beside(path, &source.file);
-                let read = read_body(store, &body, source, model.mesh.element)?;
+                // A deck that is solved as it is must hold all of its problem.
+                let extent = if is_deck(path) { Extent::Problem } else { Extent::Body };
+                let read = read_body(store, &body, source, model.mesh.element, extent)?;
                 let help = if is_part(&body) { "choose a larger model.size" } else { "mesh it with larger elements" };
                 let warning = guard(Estimate::of_body(&read.problem.mesh, &read.problem.equations))
                     .map_err(|error| error.with_help(Some(help.to_owned())))?;

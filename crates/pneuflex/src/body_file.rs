@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pneuflex_deck::{msh, vtk, vtu};
+use pneuflex_deck::{Extent, msh, vtk, vtu};
 use pneuflex_model::model_file::Source;
 use pneuflex_model::{Formulation, Problem};
 
@@ -29,14 +29,14 @@ pub struct ReadBody {
 
 /// Whether a path is that of a deck.
 pub fn is_deck(path: &Path) -> bool {
-    has_extension(path, "inp")
+    has_extension(path, "inp") || has_extension(path, "feb")
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-/// Reads the body of a model file; `element` is the formulation that it asks for.
+/// Reads the body of a model file; `element` is the formulation that it asks for, `extent` what a deck must hold.
 ///
 /// # Errors
 /// A file that cannot be read, or everything that is wrong with it.
@@ -45,6 +45,7 @@ pub fn read_body(
     path: &Path,
     source: &Source,
     element: Option<Formulation>,
+    extent: Extent,
 ) -> Result<ReadBody, Vec<InputError>> {
     let bytes = store.bytes(path).map_err(|why| InputError::about_file(path, why))?;
     if let Some(error) = pointer(path, &bytes) {
@@ -87,14 +88,14 @@ pub fn read_body(
             }
             Ok(bytes)
         };
-        let deck = pneuflex_deck::read(&shown, bytes, &mut include).map_err(wrong)?;
+        let deck = pneuflex_deck::read_extent(&shown, bytes, &mut include, extent).map_err(wrong)?;
         outside.extend(deck.notes.iter().map(ToString::to_string));
         let (problem, note) = solved_by(deck.problem, element)?;
         outside.push(note);
         return Ok(ReadBody {
             title: deck.title,
             problem,
-            schedule: Some((deck.schedule.times, deck.schedule.first_increment)),
+            schedule: Some((deck.schedule.times, deck.schedule.first_increment)).filter(|(times, _)| !times.is_empty()),
             notes: outside,
             files,
         });

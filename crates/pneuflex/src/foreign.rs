@@ -14,7 +14,7 @@ enum Kind {
     LfsPointer,
     /// A mesh of Gmsh or VTK.
     Mesh,
-    /// A deck of Abaqus or CalculiX.
+    /// A deck of Abaqus, CalculiX or FEBio.
     Deck,
     /// A surface of triangles.
     Surface,
@@ -44,7 +44,7 @@ pub fn not_a_case(path: &Path, bytes: &[u8]) -> Option<InputError> {
     let (what, help) = match Kind::of(path, bytes)? {
         Kind::LfsPointer => return Some(lfs_pointer(path)),
         Kind::Mesh => ("is a mesh, and a mesh needs a model file", around(&name)),
-        Kind::Deck => ("is an input deck, and the names of decks end in .inp", "save it under such a name".into()),
+        Kind::Deck => ("is an input deck, and the names of decks end in .inp (Abaqus, CalculiX) or .feb (FEBio)", "save it under such a name".into()),
         Kind::Surface => ("is a surface of triangles without a mesh inside", mesh_first(&name)),
         Kind::Geometry => ("is a geometry without a mesh", mesh_first(&name)),
         Kind::OtherGeometry => ("is a geometry in a format that is not read", export_first()),
@@ -70,7 +70,10 @@ pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
         Some(Kind::Mesh) => {
             ("is a mesh, and the names of meshes end in .msh (Gmsh), .vtk or .vtu", "save it under such a name".into())
         }
-        Some(Kind::Deck) => ("is an input deck, whose names end in .inp", "save it under such a name".into()),
+        Some(Kind::Deck) => (
+            "is an input deck, whose names end in .inp (Abaqus, CalculiX) or .feb (FEBio)",
+            "save it under such a name".into(),
+        ),
         Some(Kind::Surface) => {
             ("is a surface of triangles (STL), whose names end in .stl", "save it under such a name".into())
         }
@@ -85,7 +88,7 @@ pub fn not_a_body(path: &Path, bytes: &[u8]) -> InputError {
 }
 
 /// What can be read.
-const KNOWN: &str = "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, meshes of Gmsh in .msh, of VTK in .vtk or .vtu";
+const KNOWN: &str = "case and model files are TOML; decks of Abaqus and CalculiX end in .inp, of FEBio in .feb, meshes of Gmsh in .msh, of VTK in .vtk or .vtu";
 
 /// Says of a file that it stands for another one, if it does.
 pub fn pointer(path: &Path, bytes: &[u8]) -> Option<InputError> {
@@ -135,7 +138,7 @@ impl Kind {
             _ if text.starts_with("ISO-10303-21") => Self::Geometry,
             "vtp" | "vtm" | "off" | "ply" | "nas" | "bdf" | "fem" | "cdb" | "med" | "unv" | "mesh" | "meshb" | "e"
             | "exo" | "xdmf" | "odb" | "frd" | "k" => Self::OtherMesh,
-            _ if is_keyword(first) => Self::Deck,
+            _ if is_keyword(first) || text.contains("<febio_spec") => Self::Deck,
             "json" | "jsonl" => Self::Json,
             _ if text.starts_with('{') => Self::Json,
             _ if head.contains(&0) => Self::Binary,

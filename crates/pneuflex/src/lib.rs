@@ -93,7 +93,7 @@
 //! |---|---|
 //! | [`mesh`] | element families, shape functions, quadrature, the parametric actuator and its named sets |
 //! | [`model`] | the tables of case and model files, and the boundary-value problem, as plain data |
-//! | [`deck`] | input decks of Abaqus and CalculiX, meshes of Gmsh |
+//! | [`deck`] | input decks of Abaqus, CalculiX and FEBio, meshes |
 //! | [`newton`] | Newton's method with mixed linearisation, load stepping, checkpoints |
 //! | [`post`] | stresses, angles, volumes, penetration, VTK files |
 //! | [`report`] | the page that shows a result folder in a browser |

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use pneuflex_deck::Extent;
 use pneuflex_mesh::vector::{angle_between, bounds};
 use pneuflex_mesh::{Facet, Hollow, Mesh};
 use pneuflex_model::model_file::Source;
@@ -38,7 +39,7 @@ pub struct StartModel {
 /// # Errors
 /// A body that cannot be read or meshed.
 pub fn start_model(path: &Path, named: &str) -> Result<StartModel, Error> {
-    let read = read_body(&Store::Disk, path, &Source::of_file(named), None)?;
+    let read = read_body(&Store::Disk, path, &Source::of_file(named), None, Extent::Body)?;
     let mesh = &*read.problem.mesh;
     let (hollows, _) = mesh.hollows(&[]).map_err(|_| InputError::about_file(path, "has no surface"))?;
     let [low, high] = bounds(mesh.nodes.iter().copied()).unwrap_or_default();

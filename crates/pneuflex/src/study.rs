@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use pneuflex_deck::Extent;
 use pneuflex_mesh::Mesh;
 use pneuflex_model::model_file::{Model, Source};
 use pneuflex_model::{Case, Formulation};
@@ -42,7 +43,7 @@ enum Described {
 }
 
 impl Study {
-    /// Reads a case file or a model file (TOML), or takes an input deck (`.inp`).
+    /// Reads a case file or a model file (TOML), or takes an input deck (`.inp`, `.feb`).
     ///
     /// # Errors
     /// [`Error::Input`] with everything that is wrong with a case or model file. Decks and meshes are read by [`Self::build`].
@@ -58,8 +59,8 @@ impl Study {
         Self::from_store(path.as_ref(), Store::Disk, changes)
     }
 
-    /// The same from the text of a case file, a model file or a deck, which is called `name` in messages; a name that ends in `.inp` is
-    /// that of a deck.
+    /// The same from the text of a case file, a model file or a deck, which is called `name` in messages; a name that ends in `.inp` or
+    /// `.feb` is that of a deck.
     ///
     /// # Errors
     /// As for [`Self::load`].
@@ -130,7 +131,7 @@ impl Study {
             Described::Deck { .. } => (BTreeMap::new(), source_of_deck(&self.path), None),
         };
         let path = self.store.beside(&self.path, &source.file);
-        let read = read_body(&self.store, &path, &source, element)?.files;
+        let read = read_body(&self.store, &path, &source, element, Extent::Body)?.files;
         let folder = path.parent().unwrap_or(Path::new(""));
         files.extend(read.included.into_iter().map(|(name, bytes)| (folder.join(name), bytes)));
         files.insert(path, read.bytes);

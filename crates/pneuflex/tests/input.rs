@@ -423,3 +423,25 @@ fn a_hollow_mesh_of_vtk_needs_five_lines() {
     assert!((hollow.volume - 1.0).abs() < 1e-12 && hollow.mouth.is_none());
     assert!((analysis.problem.mesh.volume() - 26.0).abs() < 1e-9);
 }
+
+/// A deck with a mesh alone is a body like a mesh of Gmsh; by itself it is refused.
+#[test]
+fn a_deck_without_materials_and_steps_takes_those_of_a_model_file() {
+    let deck = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+                *ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n";
+    let build = |name: &str, model: &str| {
+        let files =
+            [("a.toml", model), ("a.inp", deck)].map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+        Study::from_files(name, files).and_then(|study| study.build())
+    };
+    let model = "[model]\nfile = \"a.inp\"\n[material]\nlaw = \"neo-hooke\"\nc10 = 0.1\n[[support]]\nnodes = \"FOOT\"\naxes = \"xyz\"\n";
+    let built = build("a.toml", &format!("{model}{TIMES}")).unwrap();
+    assert_eq!(
+        (built.problem.material.shear_modulus(), built.requested[..].iter().map(|at| at.0).collect::<Vec<_>>()),
+        (0.2, vec![1.0])
+    );
+    for (name, expected) in [("a.toml", "load.times"), ("a.inp", "the deck has no *STEP")] {
+        let refused = build(name, model).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+}

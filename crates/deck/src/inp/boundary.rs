@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use pneuflex_model::{Curve, LinearEquation, Motion, Support};
 
 use super::body::Body;
+use super::cavities::is_pressure;
 use super::context::Context;
 use super::histories::{Histories, History, groups};
 use super::outline::{Item, Outline};
@@ -83,6 +84,9 @@ fn read_block(
     for line in &item.block.lines {
         let fields = context.fields(line);
         let Some((&target, rest)) = fields.split_first() else { continue };
+        if is_pressure(rest) {
+            continue;
+        }
         let nodes = match nodes_of(sets, body, item.scope, target, item.block) {
             Ok(nodes) => nodes,
             Err(why) => {

@@ -30,6 +30,9 @@ const SHAPES: &str = "only solids of hexahedra or tetrahedra are solved";
 const PHYSICS: &str = "only static equilibria of hyperelastic solids are solved";
 const TIES: &str = "surfaces and nodes are coupled by *TIE, *COUPLING, *RIGID BODY, *MPC and *EQUATION, or share nodes";
 
+const FLUIDS: &str = "prescribe the pressure by *BOUNDARY, direction 8 of the reference node; a model file around the deck can pump a volume or an \
+                      amount of gas in";
+
 /// Keywords in capitals without blanks, as in `SOLIDSECTION`.
 const KEYWORDS: &[(&str, Treatment)] = &[
     ("HEADING", Understood(Model, &[])),
@@ -127,8 +130,15 @@ const KEYWORDS: &[(&str, Treatment)] = &[
     ("CONTACTINCLUSIONS", Refused("give pairs of surfaces by *CONTACT PAIR")),
     ("CLEARANCE", Refused("surfaces are taken where the nodes are")),
     ("MODELCHANGE", Refused("bodies and contact pairs are there from the beginning to the end")),
-    ("FLUIDCAVITY", Refused("cavities have prescribed pressures only: *DSLOAD")),
-    ("FLUIDBEHAVIOR", Refused("cavities have prescribed pressures only: *DSLOAD")),
+    ("FLUIDCAVITY", Understood(Model, &["NAME", "SURFACE", "REFNODE", "BEHAVIOR", "AMBIENTPRESSURE"])),
+    ("FLUIDBEHAVIOR", Understood(Model, &["NAME"])),
+    ("FLUIDDENSITY", Understood(Model, &[])),
+    ("FLUIDBULKMODULUS", Understood(Model, &[])),
+    ("MOLECULARWEIGHT", Understood(Model, &[])),
+    ("CAPACITY", Understood(Model, &["TYPE"])),
+    ("FLUIDFLUX", Refused(FLUIDS)),
+    ("FLUIDEXCHANGE", Refused(FLUIDS)),
+    ("FLUIDINFLATOR", Refused(FLUIDS)),
     ("INITIALCONDITIONS", Understood(Model, &["TYPE", "INPUT"])),
     // Nothing expands, and constants do not depend on it.
     ("TEMPERATURE", LeftOut),

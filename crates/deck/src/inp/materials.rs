@@ -9,6 +9,7 @@ use super::constants::Constants;
 use super::context::Context;
 use super::outline::{Item, Outline};
 use super::sets::AllSets;
+use crate::deck::Extent;
 use crate::report::{Place, quoted, suggestion};
 
 /// The least ratio of bulk to shear modulus that is used for a material that is meant to be incompressible: Poisson's ratio 0.4995.
@@ -40,7 +41,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    pub fn read(outline: &Outline<'_>, body: &Body, sets: &AllSets, context: &mut Context<'_>) -> Self {
+    pub fn read(outline: &Outline<'_>, body: &Body, sets: &AllSets, extent: Extent, context: &mut Context<'_>) -> Self {
         let mut list: Vec<NamedMaterial> = Vec::new();
         let mut by_name: BTreeMap<String, usize> = BTreeMap::new();
         for (number, item) in outline.items.iter().enumerate() {
@@ -56,7 +57,9 @@ impl Materials {
             list.push(read_material(name, item.block.place, &owned, context));
         }
         let mut materials = Self { list, sections: Vec::new() };
-        materials.read_sections(outline, &by_name, body, sets, context);
+        if extent == Extent::Problem || outline.of("SOLIDSECTION").next().is_some() {
+            materials.read_sections(outline, &by_name, body, sets, context);
+        }
         materials
     }
 

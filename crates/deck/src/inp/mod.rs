@@ -8,6 +8,7 @@
 
 mod body;
 mod boundary;
+mod cavities;
 mod constants;
 mod constraints;
 mod contact;
@@ -27,8 +28,9 @@ mod sets;
 use pneuflex_mesh::{Facet, Mesh};
 use pneuflex_model::{Clock, Formulation, Problem, Region};
 
+use crate::deck::{Deck, Extent, Label, Schedule, mean_size};
 use crate::mid_edges::MidEdges;
-use crate::report::{DeckError, Note, Place, Report};
+use crate::report::{DeckError, Place, Report};
 use crate::syntax::{Block, Include, Sources, parse_into};
 use body::Body;
 use constraints::Constraints;
@@ -42,50 +44,15 @@ use sets::AllSets;
 /// A hard contact's penalty: this many times the slave's Young's modulus over the size of its faces, as Abaqus does by default.
 const HARD_CONTACT: f64 = 10.0;
 
-/// A deck as a problem.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Deck {
-    /// First line of the heading; empty if there is none.
-    pub title: String,
-    /// What is solved.
-    pub problem: Problem,
-    /// When.
-    pub schedule: Schedule,
-    /// What was understood in another way than the deck may mean it.
-    pub notes: Vec<Note>,
-    /// The deck's numbers of the problem's nodes; nodes that were added on edges have none.
-    pub node_labels: Vec<Option<Label>>,
-    /// The deck's numbers of the problem's elements.
-    pub element_labels: Vec<Label>,
-}
-
-/// When a problem is solved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Schedule {
-    /// Times to land on, increasing: the ends of the steps, and all increments of steps with fixed ones.
-    pub times: Vec<f64>,
-    /// First increment.
-    pub first_increment: f64,
-}
-
-/// A number of a node or an element in a deck.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Label {
-    /// The instance; empty if the deck has none.
-    pub instance: String,
-    /// The number in it.
-    pub number: i32,
-}
-
 /// Reads a deck called `name` from its bytes. `include` finds the files that it includes.
 ///
 /// # Errors
 /// Everything that is wrong or cannot be solved, by file and line.
-pub fn read(name: &str, text: Vec<u8>, include: &mut Include<'_>) -> Result<Deck, Vec<DeckError>> {
+pub fn read(name: &str, text: Vec<u8>, include: &mut Include<'_>, extent: Extent) -> Result<Deck, Vec<DeckError>> {
     let mut report = Report::default();
     let (sources, blocks) = parse_into(name, text, include, &mut report);
     // A deck with lines that were not understood would be full of errors that follow from them.
-    let parts = if report.has_errors() { None } else { understand(&sources, &blocks, &mut report) };
+    let parts = if report.has_errors() { None } else { understand(&sources, &blocks, extent, &mut report) };
     let notes = report.finish(&sources.names)?;
     match parts {
         Some(parts) => Ok(Deck { notes, ..parts }),
@@ -93,16 +60,16 @@ pub fn read(name: &str, text: Vec<u8>, include: &mut Include<'_>) -> Result<Deck
     }
 }
 
-fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Option<Deck> {
+fn understand(sources: &Sources, blocks: &[Block], extent: Extent, report: &mut Report) -> Option<Deck> {
     let mut context = Context { sources, report };
     let context = &mut context;
     let mut outline = Outline::new(blocks, context);
     let body = Body::read(&mut outline, context)?;
     let outline = outline;
     let sets = AllSets::read(&outline, &body, context);
-    let materials = Materials::read(&outline, &body, &sets, context);
+    let materials = Materials::read(&outline, &body, &sets, extent, context);
     let times = Times::read(&outline, context);
-    if outline.steps.is_empty() {
+    if outline.steps.is_empty() && extent == Extent::Problem {
         context.error(blocks.last().map_or(Place { file: 0, line: 1 }, |b| b.place), "the deck has no *STEP");
     }
     let mid_edges = body.first_added().map(|first| MidEdges::new(&body.mesh, first));
@@ -113,25 +80,27 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     constraints.bind(&body, &mut held, context);
     equations.append(&mut constraints.equations);
     let loads = Loads::read(&outline, &body, &sets, &times, context);
+    let cavities = cavities::read(&outline, &body, &sets, &times, context);
     let idle = constraints.idle(&body, &held, &equations, &loads.forces(), context);
     let hard = |facets: &[Facet]| hard_stiffness(&body, &materials, facets);
     let (contact, contact_pairs) = contact::read_contact(&outline, &body, &sets, hard, context);
     check_densities(&materials, &loads, context);
     check_initial_conditions(&outline, context);
-    let regions = regions(&materials, context)?;
+    let mut regions = regions(&materials, context)?.into_iter();
     if context.report.has_errors() {
         return None;
     }
     let mut problem = Problem::body(
         mesh(&body, &sets, mid_edges.as_ref()),
         Formulation::of_mesh(&body.mesh)?,
-        regions.first()?.material.clone(),
+        regions.next().map(|region| region.material).unwrap_or_default(),
     );
     problem.clock = Clock::Steps;
-    problem.regions = regions.into_iter().skip(1).collect();
+    problem.regions = regions.collect();
     problem.supports = boundary::supports(&held, &times, mid_edges.as_ref());
     problem.supports.extend(idle);
     problem.equations = equations;
+    problem.cavities = cavities;
     problem.distances = constraints.distances;
     problem.ties = constraints.ties;
     problem.loads = loads.for_solver(&times);
@@ -142,7 +111,10 @@ fn understand(sources: &Sources, blocks: &[Block], report: &mut Report) -> Optio
     node_labels.resize(problem.mesh.num_nodes(), None);
     Some(Deck {
         title: title(&outline, sources),
-        schedule: Schedule { times: times.requested(), first_increment: times.steps.first()?.first },
+        schedule: Schedule {
+            times: times.requested(),
+            first_increment: times.steps.first().map_or(1.0, |step| step.first),
+        },
         notes: Vec::new(),
         node_labels,
         element_labels: body.element_numbers.iter().map(label).collect(),
@@ -188,12 +160,19 @@ fn check_initial_conditions(outline: &Outline<'_>, context: &mut Context<'_>) {
             Some("TEMPERATURE" | "VELOCITY") => {
                 context.note(item.block.place, format!("{written} is left out: equilibria do not depend on it"));
             }
+            Some("FLUIDPRESSURE") if is_zero(item.block, context) => {}
             _ => context.error(
                 item.block.place,
                 format!("{written}: bodies are without stress at the beginning; only TYPE=TEMPERATURE and VELOCITY are left out"),
             ),
         }
     }
+}
+
+/// Whether the last entry of every line is 0.
+fn is_zero(block: &Block, context: &Context<'_>) -> bool {
+    let last = |line| context.fields(line).last().and_then(|text| crate::syntax::real(text).ok());
+    block.lines.iter().all(|line| last(line) == Some(0.0))
 }
 
 /// The mesh with the deck's sets.
@@ -218,12 +197,7 @@ fn mesh(body: &Body, sets: &AllSets, mid_edges: Option<&MidEdges>) -> Mesh {
 
 /// Penalty for hard contact on faces, N/mm³: from the stiffest of the materials, for the faces' mean size.
 fn hard_stiffness(body: &Body, materials: &Materials, facets: &[Facet]) -> f64 {
-    let size = |facet: &Facet| {
-        let (nodes, corners) = (body.mesh.facet_nodes(*facet), body.mesh.face_kind(*facet).num_corners());
-        let [a, b] = [nodes[0], nodes[corners - 1]].map(|node| body.mesh.nodes[node as usize]);
-        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
-    };
-    let mean = facets.iter().map(size).sum::<f64>() / facets.len().max(1) as f64;
+    let mean = mean_size(&body.mesh, facets);
     let constants = materials.sections.iter().filter_map(|section| materials.list[section.material].constants.as_ref());
     let shear_modulus = constants.map(|constants| constants.law.shear_modulus()).fold(0.0, f64::max);
     if mean > 0.0 && shear_modulus > 0.0 { HARD_CONTACT * 3.0 * shear_modulus / mean } else { 1.0 }

@@ -201,11 +201,13 @@ impl<'a> State<'a> {
             "HYPERELASTIC" | "ELASTIC" | "DENSITY" => Some("MATERIAL"),
             "SURFACEBEHAVIOR" | "FRICTION" => Some("SURFACEINTERACTION"),
             "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
+            "FLUIDDENSITY" | "FLUIDBULKMODULUS" | "MOLECULARWEIGHT" | "CAPACITY" => Some("FLUIDBEHAVIOR"),
             _ => None,
         };
         match owned_by {
             None => {
-                let is_owner = matches!(block.keyword.as_str(), "MATERIAL" | "SURFACEINTERACTION" | "COUPLING");
+                let is_owner =
+                    matches!(block.keyword.as_str(), "MATERIAL" | "SURFACEINTERACTION" | "COUPLING" | "FLUIDBEHAVIOR");
                 self.owner = is_owner.then_some(number);
             }
             Some(owner) => {
@@ -214,6 +216,7 @@ impl<'a> State<'a> {
                     let owner = match owner {
                         "SURFACEINTERACTION" => "*SURFACE INTERACTION",
                         "COUPLING" => "*COUPLING",
+                        "FLUIDBEHAVIOR" => "*FLUID BEHAVIOR",
                         _ => "*MATERIAL",
                     };
                     return context.error(block.place, format!("{} must follow a {owner}", block.written));

@@ -34,6 +34,13 @@ pub(super) fn nodes_of_constraints(outline: &Outline<'_>, context: &Context<'_>)
     found
 }
 
+/// The numbers of the nodes that a name stands for: a number, or a set.
+pub(super) fn numbers_called(outline: &Outline<'_>, context: &Context<'_>, scope: u32, name: &str) -> BTreeSet<Number> {
+    let mut found = BTreeSet::new();
+    add(outline, context, scope, name, DEEPEST, &mut found);
+    found
+}
+
 fn add(
     outline: &Outline<'_>,
     context: &Context<'_>,

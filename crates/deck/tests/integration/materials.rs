@@ -1,6 +1,7 @@
 //! Materials, sections.
 
 use crate::support::{CUBES, MATERIAL, NODES, STEP, deck, errors, notes};
+use pneuflex_deck::{Extent, read_extent};
 use pneuflex_model::{Invariant, Law, Volumetric};
 
 fn with(material: &str) -> String {
@@ -81,5 +82,21 @@ fn what_cannot_be_is_told_by_line() {
     assert_eq!(
         errors(&deck.replace("*MATERIAL, NAME=RUBBER\n", ""))[0],
         "a.inp:25: *HYPERELASTIC must follow a *MATERIAL"
+    );
+}
+
+/// A model file may bring materials and times: then a mesh is enough, but a deck with sections must have them all.
+#[test]
+fn a_mesh_alone_is_a_body() {
+    let read = |text: String, extent| read_extent("a.inp", text.into(), &mut |_| Err(String::new()), extent);
+    let mesh = format!("{NODES}{CUBES}");
+    let said = read(mesh.clone(), Extent::Problem).unwrap_err();
+    assert!(said.iter().any(|error| error.text.contains("no *STEP")), "{said:?}");
+    let body = read(mesh.clone(), Extent::Body).unwrap();
+    assert_eq!((body.problem.mesh.num_elements(), body.problem.regions.len()), (2, 0));
+    assert!(body.schedule.times.is_empty());
+    let half = MATERIAL.replace("ELSET=BODY", "ELSET=LEFT");
+    assert!(
+        read(format!("{mesh}{half}"), Extent::Body).unwrap_err()[0].text.contains("element 20 has no *SOLID SECTION")
     );
 }

@@ -124,7 +124,7 @@ impl Model {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// An Abaqus or CalculiX deck (`.inp`), a mesh of Gmsh (`.msh`) or VTK (`.vtk`, `.vtu`), or a part from CAD, relative to the model file.
+    /// A deck of Abaqus or CalculiX (`.inp`) or FEBio (`.feb`), a mesh of Gmsh (`.msh`) or VTK (`.vtk`, `.vtu`), or a part from CAD, relative to the model file.
     pub file: String,
     /// Millimetres per unit of length in a mesh; decks are in mm, N, MPa.
     #[serde(default = "one", skip_serializing_if = "is_one")]

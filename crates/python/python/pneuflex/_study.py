@@ -441,7 +441,7 @@ class Model(Study):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], keys: Keys | None = None) -> Model:
-        """Reads a model file (TOML), or an input deck of Abaqus or CalculiX (``.inp``).
+        """Reads a model file (TOML), or an input deck of Abaqus or CalculiX (``.inp``) or FEBio (``.feb``).
 
         Raises
         ------
