@@ -64,7 +64,8 @@ pub struct ConvergedState {
     pub snaps: Vec<Snap>,
 }
 
-/// A jump of the body from one equilibrium to another one under the same loads, held back by dampers that rest at both.
+/// A jump of the body from one equilibrium to another one: under the same loads, held back by dampers that rest at both, or in a load step that
+/// leads further than the tangents at both of its ends predict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snap {
     /// Position of the last equilibrium before it.
@@ -79,7 +80,7 @@ pub struct Snap {
     pub moved: f64,
     /// Work that the dampers took up, mJ: what the loads and the body had to spare. `None` where it could not be integrated.
     pub released: Option<f64>,
-    /// Steps of pseudo-time.
+    /// Steps of pseudo-time; none where a load step has jumped.
     pub steps: usize,
 }
 

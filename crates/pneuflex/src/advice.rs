@@ -163,11 +163,13 @@ pub enum Occasion {
     Buckled,
     /// A body that snapped.
     Snapped,
+    /// A body that may have snapped in a load step.
+    Jumped,
 }
 
 impl Occasion {
     /// All of them.
-    pub const ALL: [Self; 41] = [
+    pub const ALL: [Self; 42] = [
         Self::OutOfMemory,
         Self::BadEquations,
         Self::Rounding,
@@ -209,6 +211,7 @@ impl Occasion {
         Self::PastLimit,
         Self::Buckled,
         Self::Snapped,
+        Self::Jumped,
     ];
 
     /// What helps, the best first. A remedy that a kind of file or problem has not is left out where advice is given.
@@ -250,6 +253,7 @@ impl Occasion {
             Self::Pressure => &[R::Pressures],
             Self::Acceleration => &[R::Accelerations],
             Self::PastLimit | Self::Snapped => &[R::SmallerLoad],
+            Self::Jumped => &[R::LetSnap],
             Self::Buckled => &[R::SmallerLoad, R::Stockier],
             Self::HardlyMoves => &[R::Moduli, R::Pressures],
         }

@@ -36,6 +36,7 @@ pub fn describe(
         near_mm: snap.place,
         moved_mm: snap.moved,
         released_mj: snap.released.map(|released| parts * released),
+        in_load_step: snap.steps == 0,
     };
     described.summary.snaps = equilibrium.snaps.iter().map(summary).collect();
     if equilibrium.mesh_motions.is_none() {

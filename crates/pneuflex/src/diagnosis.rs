@@ -4,7 +4,7 @@ use std::fmt;
 
 use pneuflex_mesh::Actuator;
 use pneuflex_model::{Clock, ContactMethod, ContactPair, MeshOptions, Problem, Resolution, StateKind};
-use pneuflex_post::summary::StepSummary;
+use pneuflex_post::summary::{SnapSummary, StepSummary};
 use serde::Serialize;
 
 use crate::accuracy::{Expected, Fineness, Outside, Parameter, expected};
@@ -82,6 +82,8 @@ pub enum WarningKind {
     Bifurcation,
     /// The body snaps to another equilibrium under the same loads.
     Snap,
+    /// A load step leads much further than predicted: the body may have snapped.
+    Jump,
 }
 
 /// What results are about.
@@ -133,8 +135,15 @@ pub fn warnings(subject: Subject<'_>, steps: &[StepSummary]) -> Vec<Warning> {
     if let (Some(first), _) = first_and_last(steps, |step| !step.bifurcations.is_empty()) {
         add(WarningKind::Bifurcation, Some(first), buckled(subject, steps), Occasion::Buckled);
     }
-    if let (Some(first), _) = first_and_last(steps, |step| !step.snaps.is_empty()) {
-        add(WarningKind::Snap, Some(first), snapped(subject, steps), Occasion::Snapped);
+    for (in_load_step, kind, occasion) in
+        [(false, WarningKind::Snap, Occasion::Snapped), (true, WarningKind::Jump, Occasion::Jumped)]
+    {
+        let is_one = |snap: &&SnapSummary| snap.in_load_step == in_load_step;
+        if let (Some(first), _) = first_and_last(steps, |step| step.snaps.iter().any(|snap| is_one(&snap))) {
+            let words: fn(Subject<'_>, &[&SnapSummary]) -> String = if in_load_step { jumped } else { snapped };
+            let all: Vec<&SnapSummary> = steps.iter().flat_map(|step| &step.snaps).filter(is_one).collect();
+            add(kind, Some(first), words(subject, &all), occasion);
+        }
     }
     if let (Some(first), Some(worst)) = first_and_last(steps, |step| step.unmet_tolerance.is_some()) {
         let message = format!(
@@ -231,8 +240,8 @@ fn buckled(subject: Subject<'_>, steps: &[StepSummary]) -> String {
 }
 
 /// What is said of a body that snapped.
-fn snapped(subject: Subject<'_>, steps: &[StepSummary]) -> String {
-    let jumps: Vec<String> = (steps.iter().flat_map(|step| &step.snaps))
+fn snapped(subject: Subject<'_>, snaps: &[&SnapSummary]) -> String {
+    let jumps: Vec<String> = (snaps.iter())
         .map(|snap| {
             let [x, y, z] = snap.near_mm;
             let at = subject.problem.clock.words(snap.at);
@@ -242,6 +251,22 @@ fn snapped(subject: Subject<'_>, steps: &[StepSummary]) -> String {
         .collect();
     format!(
         "the body snaps {}; between there is no state at which it stays, and with little damping a real body may swing on to another one",
+        jumps.join(", then ")
+    )
+}
+
+/// What is said of load steps that may be snaps.
+fn jumped(subject: Subject<'_>, snaps: &[&SnapSummary]) -> String {
+    let jumps: Vec<String> = (snaps.iter())
+        .map(|snap| {
+            let [x, y, z] = snap.near_mm;
+            let [at, to] = [snap.at, snap.to].map(|at| subject.problem.clock.words(at));
+            format!("from {at} to {to}, by {:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm", snap.moved_mm)
+        })
+        .collect();
+    format!(
+        "the body jumps {}, in a step that is more than twice as long as the stiffness at its beginning and at its end predict; it may snap there, \
+         and what lies beyond may be another one of several equilibria",
         jumps.join(", then ")
     )
 }

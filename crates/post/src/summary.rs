@@ -127,6 +127,9 @@ pub struct SnapSummary {
     /// Energy that body and loads gave up, mJ, where it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub released_mj: Option<f64>,
+    /// It is a load step that led further than the tangents at both of its ends predict: no dampers, and no state in between was sought.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub in_load_step: bool,
 }
 
 /// Where a body buckled, and the path left the branch that becomes unstable there.

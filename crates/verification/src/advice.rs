@@ -126,6 +126,10 @@ const BUCKLES: Changes = &[MORE, ("solver.max_step", "0.2"), ("solver.imperfecti
 const LESS: Changes = &[("force", "[{ nodes = \"x1\", total = [-0.0005, 0, 0] }]"), ("solver.imperfection", "0.1")];
 const SNAPS: Changes = &[MORE, ("solver.max_step", "0.2"), ("solver.continuation", "damped")];
 const RESTS: Changes = &[LESS[0], ("solver.continuation", "damped")];
+/// A balloon that stiffens so much that it has another branch beyond its greatest pressure.
+const STIFFENS: (&str, &str) = ("material", "{ law = \"yeoh\", c10 = 0.1, c20 = 0.0, c30 = 3e-4 }");
+const JUMPS: Changes = &[STIFFENS, ("load.times", "[0.55, 0.62, 1.0]")];
+const IS_HELD_BACK: Changes = &[JUMPS[0], JUMPS[1], ("solver.continuation", "damped")];
 const MORE: (&str, &str) = ("force", "[{ nodes = \"x1\", total = [-0.0008, 0, 0] }]");
 
 /// A flat membrane with clamped edges, blown up.
@@ -381,6 +385,13 @@ fn rows() -> Vec<Row> {
             (File("stops/balloon_pressure.toml"), &[]),
             (Edited("stops/balloon_pressure.toml", &[("pressure_kpa=20", "volume_mm3=1500")]), &[]),
             ToTheEnd,
+        ),
+        row(
+            O::Jumped,
+            R::LetSnap,
+            (File("stops/balloon_pressure.toml"), JUMPS),
+            (File("stops/balloon_pressure.toml"), IS_HELD_BACK),
+            Gone,
         ),
         row(
             O::GreatestPressure,

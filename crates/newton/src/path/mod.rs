@@ -105,6 +105,8 @@ pub(crate) struct Converged {
     /// Change of all unknowns per change of the load parameter, if it was needed.
     pub(crate) rate: Option<Correction>,
     pub(crate) iterations: usize,
+    /// The tangents at neither end of the load step predict it.
+    pub(crate) has_jumped: bool,
 }
 
 impl Path {

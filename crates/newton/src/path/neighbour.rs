@@ -115,10 +115,6 @@ impl Path {
         self.kept = None;
     }
 
-    pub(super) fn keeps_equilibria(&self) -> bool {
-        self.kept.is_some()
-    }
-
     /// A step along the neighbour's path towards a requested position; none where there is none.
     pub(super) fn step_with_neighbour(
         &mut self,

@@ -122,7 +122,13 @@ impl Path {
                     mesh_motions: None,
                     negative_pivots: 0,
                 };
-                return Ok(Converged { equilibrium, predictor, rate: None, iterations: policy.iteration() });
+                return Ok(Converged {
+                    equilibrium,
+                    predictor,
+                    rate: None,
+                    iterations: policy.iteration(),
+                    has_jumped: false,
+                });
             }
             if !policy.was_cautious() && criteria.may_be_met(&measures) {
                 let assembled = self.system.residual(&state)?;
@@ -145,7 +151,13 @@ impl Path {
                         negative_pivots: tangent.negative_pivots(),
                     };
                     let predictor = Some(tangent);
-                    return Ok(Converged { equilibrium, predictor, rate, iterations: policy.iteration() });
+                    return Ok(Converged {
+                        equilibrium,
+                        predictor,
+                        rate,
+                        iterations: policy.iteration(),
+                        has_jumped: false,
+                    });
                 }
             }
             if policy.is_stalled() {

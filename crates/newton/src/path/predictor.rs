@@ -43,33 +43,43 @@ impl Path {
             self.system.recycle(converged.predictor);
             return Err(Cause::PassedThrough { obstacle });
         }
-        if self.settings.continuation == Continuation::Damped {
-            let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
-            let predicted = correction.scaled(share).displacement;
-            if is_longer(&change, &predicted) && is_longer(&change, &self.way_back(&start, &mut converged)?) {
+        let is_damped = self.settings.continuation == Continuation::Damped;
+        let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
+        // The first tangent may be a bad one.
+        let is_first = start.parameter == LoadParameter::default();
+        if (is_damped || !is_first) && is_longer(&change, &correction.scaled(share).displacement) {
+            if !is_first {
+                // Similar designs do not follow what may have snapped.
+                self.keep_nothing();
+            }
+            converged.has_jumped = match self.way_back(&start, &mut converged) {
+                Ok(back) => is_longer(&change, &back),
+                Err(cause @ (Cause::Interrupted | Cause::OutOfMemory(_))) => return Err(cause),
+                Err(cause) if is_damped => return Err(cause),
+                Err(_) => false,
+            };
+            if is_damped && converged.has_jumped {
                 self.system.recycle(converged.predictor);
                 return Err(Cause::OtherBranch);
-            }
-        }
-        // It may have snapped. What comes first is not followed by others; there the tangent may be a bad one.
-        if self.keeps_equilibria() && start.parameter > LoadParameter::default() {
-            let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
-            if is_longer(&change, &correction.scaled(share).displacement) {
-                self.keep_nothing();
             }
         }
         Ok(converged)
     }
 
     /// The way back to where a step began, as the tangent of its end predicts it. A tangent of the beginning may be a bad one, as that of a body
-    /// at rest under the stress of the full invariant; where the body has snapped without a word, neither predicts the step. The tangent
-    /// becomes the next step's.
+    /// at rest under the stress of the full invariant; where the body has snapped without a word, neither predicts the step. A step that may be
+    /// rejected has a new tangent, which becomes the next step's; where it is told of only, the one at hand is near enough.
     fn way_back(&mut self, start: &State, converged: &mut Converged) -> Result<Vec<[f64; 3]>, Cause> {
-        self.system.recycle(converged.predictor.take());
         let state = &converged.equilibrium.state;
-        self.system.predict(&state.displacement, None);
-        let (_, tangent) = self.system.tangent(state)?;
-        (self.iterations, converged.iterations) = (self.iterations + 1, converged.iterations + 1);
+        let tangent = match converged.predictor.take() {
+            Some(tangent) if self.settings.continuation != Continuation::Damped => tangent,
+            other => {
+                self.system.recycle(other);
+                self.system.predict(&state.displacement, None);
+                (self.iterations, converged.iterations) = (self.iterations + 1, converged.iterations + 1);
+                self.system.tangent(state)?.1
+            }
+        };
         let assembled = self.system.residual_ahead(&tangent, state, start.parameter)?;
         let change = self.motion.change(&state.moved_to(start.parameter));
         let back = self.system.solve(&tangent, &assembled, change.as_deref())?;

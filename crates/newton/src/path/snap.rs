@@ -116,7 +116,8 @@ impl Path {
         self.equilibrium = before;
         match found {
             Ok((converged, motion)) => {
-                self.snaps.push(self.described(&converged, &motion));
+                let snap = self.jump(&converged);
+                self.snaps.push(Snap { released: motion.released, steps: motion.steps, ..snap });
                 Ok(converged)
             }
             Err(cause) => {
@@ -288,14 +289,14 @@ impl Path {
         Some(along.scaled(size))
     }
 
-    fn described(&self, converged: &Converged, motion: &Motion) -> Snap {
+    /// How the body has jumped from the present equilibrium to another one, without dampers.
+    pub(super) fn jump(&self, converged: &Converged) -> Snap {
         let (before, after): (&State, &State) = (&self.equilibrium.state, &converged.equilibrium.state);
         let change = difference(&after.displacement, &before.displacement);
         let length = |u: &[f64; 3]| u.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (node, moved) =
             change.iter().map(length).enumerate().fold((0, 0.0), |most, now| if now.1 > most.1 { now } else { most });
         let place = self.mesh.nodes[node];
-        let &Motion { released, steps, .. } = motion;
-        Snap { from: before.parameter, to: after.parameter, node, place, moved, released, steps }
+        Snap { from: before.parameter, to: after.parameter, node, place, moved, released: None, steps: 0 }
     }
 }

@@ -96,6 +96,9 @@ impl Path {
         let is_easy = converged.iterations <= self.tuning.easy_iterations;
         approach.after_accepted(attempt.wanted, is_easy, self.settings.max_step, &self.tuning);
         let before = self.equilibrium.clone();
+        if converged.has_jumped {
+            self.snaps.push(self.jump(&converged));
+        }
         self.adopt(converged);
         self.is_careful &= attempt.attempted != requested;
         self.keep_equilibrium();

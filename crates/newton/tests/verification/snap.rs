@@ -64,6 +64,26 @@ fn an_arch_snaps_to_the_branch_beyond() {
     assert!((released / expected - 1.0).abs() < 2e-3, "{released} {expected}");
 }
 
+/// By the load alone a step may lead over the limit point to the branch beyond: it is told of. Below the limit point there is nothing to tell.
+#[test]
+fn a_load_step_over_a_limit_point_is_told_of() {
+    let (problem, _) = loaded(FORCE);
+    for max_step in [0.05, 0.1, 0.2, 0.4] {
+        let settings = Solver { first_step: 0.05, max_step, min_step: 1e-5, ..Solver::default() };
+        // The limit point is at 0.3693.
+        let [below, beyond, far] = [0.33, 0.44, 1.0].map(|end| {
+            let found = states(&problem, &[end], &settings);
+            found.into_iter().flat_map(|state| state.snaps).collect::<Vec<_>>()
+        });
+        assert!(below.is_empty(), "{max_step}: {below:?}");
+        for snaps in [beyond, far] {
+            println!("{max_step}: {snaps:?}");
+            let is_there = |snap: &pneuflex_newton::Snap| snap.to.0 > 0.3693 && snap.steps == 0 && snap.moved > 0.5;
+            assert!(snaps.iter().any(is_there), "{max_step}: {snaps:?}");
+        }
+    }
+}
+
 #[test]
 fn a_strut_buckles_to_the_elastica() {
     let problem = strut();
