@@ -163,7 +163,7 @@ pub fn without_graphics(browser: &mut Browser, results: &Results) -> Result<(), 
          document.querySelectorAll('#plots svg').length, document.querySelectorAll('.results tbody tr').length]",
     )?;
     let steps = results.summary["steps"].as_array().map_or(0, Vec::len);
-    expect(state == json!([true, false, 5, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
+    expect(state == json!([true, false, 6, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
     let complaints = browser.complaints()?;
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
 }
@@ -326,6 +326,8 @@ impl Visit<'_> {
             expect(field == name.as_str(), || format!("{field} is shown instead of {name}"))?;
             let [low, high] = self.browser.numbers("pneuflex.colours")?[..] else { return Err("no colours".into()) };
             let value = self.browser.numbers(&format!("[pneuflex.valueAt({})]", tip.node))?[0];
+            let is_signed = name != "stretch";
+            expect(!is_signed || (low + high).abs() < 1e-9 * high, || format!("{name} goes from {low} to {high}"))?;
             expect(low < high && value.is_finite(), || format!("{name}: {value} between {low} and {high}"))?;
             let expected =
                 ["ux", "uy", "uz"].iter().position(|component| component == name).map(|d| tip.displacement[d]);
@@ -353,7 +355,9 @@ impl Visit<'_> {
         self.until_drawn()?;
         let (colours, legend) = (self.browser.numbers("pneuflex.colours")?, self.text("#legend")?);
         let is_so = (colours[0] - 0.01).abs() < 1e-12 && (colours[1] - 0.25).abs() < 1e-12;
-        expect(is_so && legend.contains("down to 0 and up to "), || format!("{colours:?}, {legend:?}"))?;
+        expect(is_so && legend.contains("down to ") && legend.contains(" and up to "), || {
+            format!("{colours:?}, {legend:?}")
+        })?;
         self.show_stage()?;
         self.picture("4-range")?;
         // Another field has a range of its own again.

@@ -30,7 +30,21 @@ fn gltf(file: &[u8]) -> Value {
 fn a_case_with_an_obstacle_leaves_in_every_format() {
     let scratch = Scratch::new("export");
     fs::write(scratch.path("case.toml"), CASE).unwrap();
-    assert_eq!(scratch.run(&["run", "case.toml", "--out", "out/bent", "--quiet", "--no-report"]).code, 0);
+    let ended = scratch.run(&["run", "case.toml", "--out", "out/bent", "--no-report"]);
+    assert_eq!(ended.code, 0);
+    // It ends with a table of what it has found, narrow enough for any terminal.
+    let mut lines = ended.err.lines().skip_while(|line| !line.starts_with("  kPa  end face, deg  chord, deg  ball, N"));
+    assert!(lines.next().is_some(), "{ended:?}");
+    let summary: Value =
+        serde_json::from_str(&fs::read_to_string(scratch.path("out/bent/summary.json")).unwrap()).unwrap();
+    for (line, step) in lines.zip(summary["steps"].as_array().unwrap()) {
+        let found: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
+        let expected = ["pressure_kpa", "end_face_angle_deg"].map(|key| step[key].as_f64().unwrap());
+        assert!(
+            line.chars().count() <= 80 && (0..2).all(|i| (found[i] - expected[i]).abs() < 0.006),
+            "{line} {expected:?}"
+        );
+    }
     let export = |more: &[&str]| scratch.run(&[&["export", "out/bent", "--to"], more].concat());
     for (format, begins) in [
         ("stl", &b"binary STL"[..]),

@@ -73,7 +73,7 @@ class Plot {
     // Styles of the page do not go with it.
     to.forEach((element, i) => {
       const style = getComputedStyle(from[i]);
-      for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "text-anchor", "paint-order"]) element.style.setProperty(name, style.getPropertyValue(name));
+      for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font-family", "font-size", "font-weight", "text-anchor", "paint-order"]) element.style.setProperty(name, style.getPropertyValue(name));
     });
     const { width, height } = this.size;
     const head = 22;

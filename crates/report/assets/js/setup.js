@@ -27,7 +27,7 @@ const DOT = 5;
 /** Further parts have hues far from each other's, light and dark by turns, so that no two are alike. */
 const colourOf = (number) => {
   if (number < COLOURS.length) return COLOURS[number];
-  const hue = Math.round((137.508 * number) % 360);
+  const hue = Math.round((137.508 * number + 60) % 360);
   return `hsl(${hue}, ${number % 2 ? 70 : 55}%, ${[38, 62, 50][number % 3]}%)`;
 };
 

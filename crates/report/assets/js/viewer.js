@@ -96,10 +96,13 @@ export class Viewer {
 
   showLegend() {
     const { field } = this.actuator;
-    const { scale } = FIELDS[field];
+    const { scale, map } = FIELDS[field];
     const own = this.ownRange();
     const typical = byId("fit").checked ? this.states.typicalAt(field, this.clock.value) : this.states.typicalOf(field);
-    this.marks = own ? evenMarks(own) : legendTicks(typical.map((x) => scale * x));
+    // Of both signs, zero is light.
+    const most = Math.max(...typical.map(Math.abs));
+    const range = map === "signed" ? [-most, most] : typical;
+    this.marks = own ? evenMarks(own) : legendTicks(range.map((x) => scale * x));
     this.actuator.useRange([this.marks[0], this.marks[this.marks.length - 1]].map((x) => x / scale));
     this.legend.show(field, this.marks, this.states.extremes(field).map((x) => scale * x));
     this.stage.requestRender();
