@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 22] = [
+const ARROWS: [(&str, &[&str]); 23] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
@@ -20,9 +20,10 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("reference", &["mesh", "model"]),
     ("rod", &["mesh", "model", "newton", "post"]),
     ("report", &["mesh", "model", "post"]),
+    ("export", &["mesh", "model", "plot", "report"]),
     ("calibration", &["model", "laws"]),
     ("deck", &["mesh", "model"]),
-    ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
+    ("pneuflex", &["calibration", "deck", "export", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("sweep", &["pneuflex"]),
     ("cli", &["pneuflex", "sweep"]),
     ("python", &["pneuflex", "sweep"]),

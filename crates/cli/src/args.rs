@@ -57,6 +57,12 @@ pub enum Command {
     /// Draw a state of a result folder as a picture
     #[command(after_help = examples::PICTURE)]
     Picture(PictureArguments),
+    /// Compare results with what you have measured: points, angles, forces
+    #[command(after_help = examples::COMPARE)]
+    Compare(CompareArguments),
+    /// Write results in the formats of other programs: surfaces, animations, arrays, meshes for robot simulators, moulds
+    #[command(after_help = examples::EXPORT)]
+    Export(ExportArguments),
     /// Find the pressure, or the value of a key, at which a result takes a value
     #[command(after_help = examples::FIND)]
     Find(FindArguments),
@@ -322,12 +328,115 @@ pub enum PictureColours {
 /// From where a picture is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PictureView {
-    /// From outside, the whole actuator.
+    /// From outside, the whole body.
     Iso,
     /// Into a half that is cut open at its plane of symmetry.
     Section,
     /// Straight at that plane: lengths along x and z are true.
     Side,
+}
+
+/// Arguments of `pneuflex compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// Folder that `pneuflex run` wrote
+    #[arg(value_name = "RESULT_DIR")]
+    pub results: PathBuf,
+    /// Measurements: a CSV file with the columns pressure_kpa (of a model time), x_mm and z_mm of points, and any columns of `pneuflex table`
+    #[arg(value_name = "MEASURED.csv")]
+    pub measured: PathBuf,
+    /// What points are compared with [default: bottom of an actuator, else outline]
+    #[arg(long, value_name = "LINE", value_enum)]
+    pub line: Option<CompareLine>,
+    /// What is fitted before points are compared, e.g. scale,offset
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub fit: Vec<CompareFit>,
+    /// The picture as a file of its own, too, which ends with .png or .svg
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// What measured points are compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompareLine {
+    /// The bottom line of an actuator.
+    Bottom,
+    /// The outline of the body as it is seen along y.
+    Outline,
+}
+
+/// What is fitted before points are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompareFit {
+    /// A factor of the measured coordinates.
+    Scale,
+    /// A rotation about the origin.
+    Rotation,
+    /// A translation.
+    Offset,
+}
+
+/// Arguments of `pneuflex export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// Folder that `pneuflex run` wrote
+    #[arg(value_name = "RESULT_DIR")]
+    pub results: PathBuf,
+    /// What is written
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    pub to: ExportFormat,
+    /// The file, or of png and mould the folder [default: the name of the result folder with the ending of the format, here]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// stl, obj, glb, csv: the state at this pressure in kPa, or time of a model [default: stl and obj the last one, glb and csv all]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// obj, glb, png, gif, mp4: what the colours mean [default: von-mises]
+    #[arg(long, value_name = "FIELD", value_enum)]
+    pub colour: Option<PictureColours>,
+    /// With --colour: values at the ends of the colours, e.g. 0,0.2 [default: 0 and the largest one of all states; of stresses what 99 % of the
+    /// volume stays below]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = ends, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// png, gif, mp4: from where [default: iso]
+    #[arg(long, value_name = "VIEW", value_enum)]
+    pub view: Option<PictureView>,
+    /// png, gif, mp4: width in pixels [default: 700]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(300..=4000))]
+    pub width: Option<u32>,
+    /// png, gif, mp4: number of pictures [default: 40]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub pictures: Option<u32>,
+    /// mould: thickness of its walls in mm [default: 5]
+    #[arg(long, value_name = "MM")]
+    pub wall: Option<f64>,
+}
+
+/// A format that results are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExportFormat {
+    /// Surface as triangles, for printing.
+    Stl,
+    /// Surface with groups and colours.
+    Obj,
+    /// The body in motion: glTF 2.0 with colours and an animation.
+    Glb,
+    /// Fields at the nodes as a table.
+    Csv,
+    /// Fields at the nodes as arrays of numpy.
+    Npz,
+    /// Mesh at rest for SOFA: legacy VTK.
+    Vtk,
+    /// Mesh at rest for MuJoCo's flex: tetrahedra in Gmsh's format.
+    Msh,
+    /// A folder of pictures.
+    Png,
+    /// An animated picture.
+    Gif,
+    /// A video, by the program ffmpeg.
+    Mp4,
+    /// What an actuator is cast in: two halves and a core as STL.
+    Mould,
 }
 
 /// Arguments of `pneuflex find`.

@@ -80,6 +80,22 @@ Examples:
   pneuflex picture out/actuator
   pneuflex picture out/actuator --at 35 --colour displacement --view side --out bent.svg";
 
+/// Of `pneuflex compare`.
+pub const COMPARE: &str = "\
+Examples:
+  pneuflex compare out/actuator camera.csv                    pressure_kpa,x_mm,z_mm: points of the bottom line
+  pneuflex compare out/actuator camera.csv --line outline --fit scale,rotation,offset
+  pneuflex compare out/actuator angles.csv --out angles.png   pressure_kpa,end_face_angle_deg";
+
+/// Of `pneuflex export`.
+pub const EXPORT: &str = "\
+Examples:
+  pneuflex export out/actuator --to glb                       actuator.glb, which plays in a browser or on a slide
+  pneuflex export out/actuator --to stl --at 35 --out bent.stl
+  pneuflex export out/actuator --to gif --view side --width 500
+  pneuflex export out/actuator --to npz                       numpy.load('actuator.npz')['displacement']
+  pneuflex export out/actuator --to mould --wall 6            actuator-mould/half-left.stl, half-right.stl, core.stl";
+
 /// Of `pneuflex find`.
 pub const FIND: &str = "\
 Examples:

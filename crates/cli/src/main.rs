@@ -1,10 +1,10 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`check_gradient`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
+//! * [`check`], [`check_gradient`], [`compare`], [`converge`], [`export`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
 //!   [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
-//! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
+//! * [`error`], [`outcome`], [`progress`], [`run_table`], [`terminal`]: messages, exit codes, progress, what a run found, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //!
 //! Everything else is the library's, the crate `pneuflex`.
@@ -14,10 +14,12 @@
 mod args;
 mod check;
 mod check_gradient;
+mod compare;
 mod completions;
 mod converge;
 mod error;
 mod examples;
+mod export;
 mod find;
 mod fit;
 mod interrupt;
@@ -30,6 +32,7 @@ mod picture;
 mod progress;
 mod rod;
 mod run;
+mod run_table;
 mod sweep;
 mod table;
 mod terminal;
@@ -54,6 +57,8 @@ fn main() -> ExitCode {
         Command::Mesh(arguments) => mesh::mesh(&arguments).map(|()| Outcome::Converged),
         Command::Picture(arguments) => picture::picture(&arguments).map(|()| Outcome::Converged),
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
+        Command::Compare(arguments) => compare::compare(&arguments).map(|()| Outcome::Converged),
+        Command::Export(arguments) => export::export(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
         Command::CheckGradient(arguments) => check_gradient::check_gradient(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),

@@ -27,23 +27,11 @@ pub fn picture(arguments: &PictureArguments) -> Result<(), CliError> {
             return Err(InputError::new(what).into());
         }
     };
-    if let Some([low, high]) = arguments.range.filter(|[low, high]| !(low < high && (high - low).is_finite())) {
-        let what = format!("--range {low},{high}: expected two finite numbers, the first one smaller");
-        return Err(InputError::new(what).into());
-    }
+    check_range(arguments.range)?;
     let look = Look {
         at: arguments.at,
-        colours: match arguments.colour {
-            PictureColours::VonMises => Colours::VonMises,
-            PictureColours::Displacement => Colours::Displacement,
-            PictureColours::Contact => Colours::ContactPressure,
-            PictureColours::None => Colours::Plain,
-        },
-        view: match arguments.view {
-            PictureView::Iso => View::OUTSIDE,
-            PictureView::Section => View::SECTION,
-            PictureView::Side => View::SIDE,
-        },
+        colours: colours(arguments.colour),
+        view: view(arguments.view),
         range: arguments.range,
         width: f64::from(arguments.width),
     };
@@ -53,4 +41,37 @@ pub fn picture(arguments: &PictureArguments) -> Result<(), CliError> {
     fs::write(&out, bytes).map_err(|e| CliError::Output(format!("{}: cannot be written: {e}", out.display())))?;
     say(&format!("wrote {}", out.display()));
     Ok(())
+}
+
+/// What the colours mean.
+pub fn colours(wanted: PictureColours) -> Colours {
+    match wanted {
+        PictureColours::VonMises => Colours::VonMises,
+        PictureColours::Displacement => Colours::Displacement,
+        PictureColours::Contact => Colours::ContactPressure,
+        PictureColours::None => Colours::Plain,
+    }
+}
+
+/// From where.
+pub fn view(wanted: PictureView) -> View {
+    match wanted {
+        PictureView::Iso => View::OUTSIDE,
+        PictureView::Section => View::SECTION,
+        PictureView::Side => View::SIDE,
+    }
+}
+
+/// Checks the ends of the colours.
+///
+/// # Errors
+/// Ends between which there is nothing.
+pub fn check_range(range: Option<[f64; 2]>) -> Result<(), InputError> {
+    match range.filter(|[low, high]| !(low < high && (high - low).is_finite())) {
+        None => Ok(()),
+        Some([low, high]) => {
+            let what = format!("--range {low},{high}: expected two finite numbers, the first one smaller");
+            Err(InputError::new(what))
+        }
+    }
 }

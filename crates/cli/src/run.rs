@@ -7,6 +7,7 @@ use pneuflex::error_estimate::ErrorEstimate;
 use pneuflex::folder::{GRADIENTS, REPORT};
 use pneuflex::gradient::{Derivative, Gradient, write_gradients};
 use pneuflex::model::LoadParameter;
+use pneuflex::post::summary::StepSummary;
 use pneuflex::report_page::write_report;
 use pneuflex::words::{rounded, thousands};
 use pneuflex::{Analysis, Error, OutputFolder, Solution, Start, Status, Study, Unfinished};
@@ -16,6 +17,7 @@ use crate::error::CliError;
 use crate::interrupt;
 use crate::outcome::Outcome;
 use crate::progress::{Progress, duration};
+use crate::run_table;
 use crate::terminal::say;
 
 /// Derivatives of a result that are said, and their digits.
@@ -68,7 +70,8 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let run = if arguments.gradient.is_empty() { run.without_fields() } else { run };
     let result = run.observer(|event| progress.event(event)).solve();
     progress.finish();
-    let report = || {
+    let report = |found: &[StepSummary]| {
+        run_table::lines(clock, found).iter().for_each(|line| progress.line(line));
         if !arguments.no_report {
             report_or_warn(&folder, arguments.solve.with.quiet);
         }
@@ -84,7 +87,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
                 write_gradients(&folder, gradients)?;
                 gradients.iter().for_each(|gradient| say_gradient(&analysis, gradient, &progress));
             }
-            report();
+            report(&solution.states);
             gradients?;
             let spent = duration(solution.timing.total_s);
             let is_past_limit = solution.status == Status::PastLimit;
@@ -94,7 +97,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         }
         // Said even when quiet: it is the reason for the exit code.
         Err(Error::Interrupted(ended)) => {
-            report();
+            report(&ended.reached.states);
             let go_on = format!("what was computed so far is in {place}; the same command with --resume goes on");
             say(&format!("{ended}\n  {go_on}"));
             Ok(Outcome::Interrupted)
@@ -105,7 +108,7 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         }
         Err(Error::NotConverged(ended)) => {
             say_warnings(&ended.reached.warnings, &analysis.warnings(&[]), &progress);
-            report();
+            report(&ended.reached.states);
             say(&format!("error: {ended}{}\n  what was computed so far is in {place}", advice(&ended)));
             Ok(Outcome::NotConverged)
         }

@@ -46,8 +46,8 @@ pub mod vector;
 mod volume_within;
 
 pub use actuator::{
-    Actuator, Chamber, Channel, Cuts, GeometryError, LENGTHS, LENGTHS_PER_CHAMBER, NotMovable, Part, PerChamber,
-    build_actuator, build_actuator_with,
+    Actuator, Chamber, Channel, Cuts, Filling, GeometryError, LENGTHS, LENGTHS_PER_CHAMBER, NotMovable, Part,
+    PerChamber, Plan, build_actuator, build_actuator_with,
 };
 pub use division::{Division, PARTS, Torn};
 pub use element::ElementKind;

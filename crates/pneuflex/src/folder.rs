@@ -22,10 +22,16 @@ pub const CASE_MARK: &str = "# pneuflex";
 
 /// The files of a run besides its fields, but `case.toml`, which stays until it is replaced: by it the folder is known as ours, even after
 /// a kill in between.
-const RESULTS: [&str; 6] = ["summary.json", "history.jsonl", "checkpoint.bin", GRADIENTS, PICTURE, REPORT];
+const RESULTS: [&str; 8] =
+    ["summary.json", "history.jsonl", "checkpoint.bin", GRADIENTS, COMPARISON, COMPARISON_PICTURE, PICTURE, REPORT];
 
 /// File of the derivatives of results.
 pub const GRADIENTS: &str = "gradients.json";
+
+/// File of differences from measurements, and its picture.
+pub const COMPARISON: &str = "comparison.json";
+/// See [`COMPARISON`].
+pub const COMPARISON_PICTURE: &str = "comparison.svg";
 
 /// File of a picture of a state, unless another one is named.
 pub const PICTURE: &str = "picture.png";

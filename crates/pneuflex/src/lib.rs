@@ -113,6 +113,8 @@
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
+//! | [`compare`] | results beside measurements |
+//! | [`export`] | results in the formats of other programs |
 //! | [`gradient`] | exact derivatives of results by the numbers of a file, and what tests them |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`], [`picture`] | result folders |
 //! | [`setup_page`] | a picture of what would be solved |
@@ -128,6 +130,7 @@ pub mod cad;
 mod caution;
 pub mod checkpoint_file;
 pub mod columns;
+pub mod compare;
 pub mod convergence;
 #[cfg(test)]
 mod deaths;
@@ -137,7 +140,10 @@ mod disk;
 pub mod document;
 pub mod error;
 pub mod error_estimate;
+pub mod export;
+mod ffmpeg;
 mod files;
+mod film;
 pub mod find;
 pub mod folder;
 mod foreign;

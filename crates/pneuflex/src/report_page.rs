@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use pneuflex_model::{Clock, LoadParameter};
 use pneuflex_post::fields::contact_faces;
 use pneuflex_post::vtu::Grid;
+use pneuflex_report::comparison::Comparison;
 use pneuflex_report::inputs::{Group, Row, groups};
 use pneuflex_report::state::State;
 use pneuflex_report::summary::{FORMAT, Summary};
@@ -13,7 +14,7 @@ use pneuflex_report::{Report, render};
 
 use crate::analysis::{Analysis, Description};
 use crate::error::Error;
-use crate::folder::{GRADIENTS, OutputFolder, REPORT};
+use crate::folder::{COMPARISON, COMPARISON_PICTURE, GRADIENTS, OutputFolder, REPORT};
 use crate::input_error::InputError;
 use crate::memory::Estimate;
 use crate::on_the_way::on_the_way_number;
@@ -73,6 +74,13 @@ impl RecordedRun {
         let gradients = folder.join(GRADIENTS);
         if gradients.exists() {
             summary.gradients = serde_json::from_str(&read(&gradients)?).map_err(|e| damaged(&gradients, e))?;
+        }
+        let comparison = folder.join(COMPARISON);
+        if comparison.exists() {
+            let mut found: Comparison =
+                serde_json::from_str(&read(&comparison)?).map_err(|e| damaged(&comparison, e))?;
+            found.picture = read(&folder.join(COMPARISON_PICTURE))?;
+            summary.comparison = Some(found);
         }
         let case_path = folder.join("case.toml");
         // Checked before anything is built: a damaged length may stand for a mesh beyond all memory.

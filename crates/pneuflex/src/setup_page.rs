@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use pneuflex_mesh::Facet;
 use pneuflex_model::load::Load;
-use pneuflex_model::{Chooser, Problem};
+use pneuflex_model::{Chooser, LoadParameter, Obstacle, Problem};
+use pneuflex_plot::picture::obstacle_surface;
 use pneuflex_report::setup::{Part, Setup, render};
 
 use crate::analysis::{Analysis, Description};
@@ -29,9 +30,10 @@ pub fn setup_page(analysis: &Analysis) -> Result<String, Error> {
         kind: "hollow",
         name: name.clone(),
         facets: hollow.facets.clone(),
-        nodes: Vec::new(),
+        ..Part::default()
     }));
     parts.extend(choices(analysis));
+    parts.extend(obstacles(problem));
     let setup = Setup { title: &analysis.title, about: &about, mesh: &problem.mesh, parts };
     Ok(render(&setup).map_err(|e| InputError::about_file(&analysis.path, e))?)
 }
@@ -39,7 +41,7 @@ pub fn setup_page(analysis: &Analysis) -> Result<String, Error> {
 fn parts(problem: &Problem) -> Vec<Part> {
     let mut parts = Vec::new();
     let mut add = |kind, name: &str, facets: &[Facet], nodes: Vec<u32>| {
-        parts.push(Part { kind, name: name.to_owned(), facets: facets.to_vec(), nodes });
+        parts.push(Part { kind, name: name.to_owned(), facets: facets.to_vec(), nodes, ..Part::default() });
     };
     for cavity in &problem.cavities {
         add("cavity", &cavity.name, &cavity.facets, Vec::new());
@@ -83,6 +85,22 @@ fn parts(problem: &Problem) -> Vec<Part> {
     parts
 }
 
+/// The obstacles where they begin; of what stands beside a plane of symmetry the one on the side of the part.
+fn obstacles(problem: &Problem) -> Vec<Part> {
+    let part = |obstacle: &Obstacle| {
+        let surface = obstacle_surface(obstacle, LoadParameter(0.0), &problem.mesh.nodes);
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| surface.corners[corner as usize][0]);
+        let triangles: Vec<[[f64; 3]; 3]> = surface.triangles.iter().map(corners).collect();
+        (!triangles.is_empty()).then(|| Part {
+            kind: "obstacle",
+            name: obstacle.name.clone(),
+            triangles,
+            ..Part::default()
+        })
+    };
+    problem.obstacles.iter().filter_map(part).collect()
+}
+
 /// What the choices by place of a model file hold.
 fn choices(analysis: &Analysis) -> Vec<Part> {
     let (Some(model), Description::Model(..)) = (analysis.description.model(), &analysis.description) else {
@@ -92,7 +110,13 @@ fn choices(analysis: &Analysis) -> Vec<Part> {
     let by_place = model.choices().into_iter().filter(|(_, _, choice)| choice.name().is_none());
     let part = |(key, asked, choice)| {
         let holds = chooser.holds(choice, asked).ok()?;
-        Some(Part { kind: "choice", name: format!("{key} {choice}"), facets: holds.facets, nodes: holds.nodes })
+        Some(Part {
+            kind: "choice",
+            name: format!("{key} {choice}"),
+            facets: holds.facets,
+            nodes: holds.nodes,
+            ..Part::default()
+        })
     };
     by_place.filter_map(part).collect()
 }

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 20] = [
+const MODULES: [(&str, &str); 22] = [
     ("three", include_str!("../assets/vendor/three.module.min.js")),
     ("three/orbit-controls", include_str!("../assets/vendor/OrbitControls.js")),
     ("pneuflex/main", include_str!("../assets/js/main.js")),
@@ -25,6 +25,8 @@ const MODULES: [(&str, &str); 20] = [
     ("pneuflex/transport", include_str!("../assets/js/transport.js")),
     ("pneuflex/plots", include_str!("../assets/js/plots.js")),
     ("pneuflex/setup", include_str!("../assets/js/setup.js")),
+    ("pneuflex/axes", include_str!("../assets/js/axes.js")),
+    ("pneuflex/record", include_str!("../assets/js/record.js")),
     ("pneuflex/snapshot", include_str!("../assets/js/snapshot.js")),
 ];
 

@@ -4,11 +4,11 @@
 //! Data goes in and a text comes out; reading the result folder and writing the page is up to the caller.
 //!
 //! * [`summary`]: what is read of `summary.json`.
-//! * [`state`]: the fields of one pressure or time, from their `.vtu` files.
+//! * [`state`]: the fields of one pressure or time, from their `.vtu` files; [`stretch`]: one that is in none of them.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
 //! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
 //! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
-//!   [`sensitivity`]: what changes one of them most.
+//!   [`sensitivity`]: what changes one of them most; [`comparison`]: how they differ from measurements.
 //! * [`quantise`]: lists of numbers as text with a known error.
 //! * [`setup`]: the page of what would be solved, before it is.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
@@ -18,6 +18,7 @@
 
 pub mod assets;
 pub mod body;
+pub mod comparison;
 mod error;
 pub mod inputs;
 mod numbers;
@@ -32,6 +33,7 @@ pub mod series;
 pub mod setup;
 pub mod skin;
 pub mod state;
+pub mod stretch;
 pub mod subdivision;
 pub mod summary;
 pub mod tables;

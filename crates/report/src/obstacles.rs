@@ -211,6 +211,7 @@ mod tests {
             time: 2.0,
             displacement: displaced(&problem, |_| [0.0, 0.0, -5.0]),
             von_mises: nodes.clone(),
+            stress: vec![[0.0; 6]; problem.mesh.num_nodes()],
             contact_pressure: nodes,
         };
         let states = [state];

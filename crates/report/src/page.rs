@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pneuflex_model::Clock;
 
 use crate::assets;
+use crate::comparison;
 use crate::numbers::thousands;
 use crate::report::Report;
 use crate::results::results;
@@ -32,6 +33,7 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
             }
             (results(report))
             (exactness(report))
+            (comparison::section(report))
             (sensitivity(report))
             (inputs(report))
         }
@@ -112,9 +114,13 @@ pub(crate) fn stage(noun: &str, has_values: bool) -> Markup {
                 canvas #canvas tabindex="0" role="img" aria-label={ "The deformed " (noun) " in three dimensions" } aria-describedby="hint" {}
                 img #printout alt={ "The deformed " (noun) };
                 div #legend .legend aria-live="polite" {}
+                @if has_values { div #axes .axes {} }
                 div .views role="group" aria-label="Views" {
                     (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
                     button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
+                    @if has_values {
+                        button #record type="button" hidden title="Play once from rest and save it as a film (WebM)" { "Film" }
+                    }
                 }
                 p #hint .hint {
                     span .pointer { "Drag to turn, right button to shift, wheel to zoom" @if has_values { ", click to read values" } "." }
@@ -152,6 +158,21 @@ fn transport(report: &Report<'_>) -> Markup {
     }
 }
 
+/// Fields that are chosen from a list.
+const MORE_FIELDS: [(&str, &str); 11] = [
+    ("ux", "displacement along x"),
+    ("uy", "displacement along y"),
+    ("uz", "displacement along z"),
+    ("stretch", "largest stretch"),
+    ("pressure", "pressure in the solid"),
+    ("sxx", "stress xx"),
+    ("syy", "stress yy"),
+    ("szz", "stress zz"),
+    ("sxy", "stress xy"),
+    ("syz", "stress yz"),
+    ("sxz", "stress xz"),
+];
+
 fn options(report: &Report<'_>) -> Markup {
     let radio = |name: &str, value: &str, label: &str, checked: bool| {
         html! { label { input type="radio" name=(name) value=(value) checked[checked]; span { (label) } } }
@@ -168,7 +189,18 @@ fn options(report: &Report<'_>) -> Markup {
                     (radio("field", "displacement", "Displacement", false))
                     @if report.may_touch() { (radio("field", "contactPressure", "Contact", false)) }
                 }
+                label .more {
+                    span .hidden { "Further fields" }
+                    select #more-fields {
+                        option value="" selected { "more …" }
+                        @for (value, name) in MORE_FIELDS { option value=(value) { (name) } }
+                    }
+                }
                 (tick("fit", &format!("fit range to this {}", report.parameter()), false))
+                span .range {
+                    label for="low" { "from" } input #low type="number" step="any" placeholder="auto" aria-label="Least value of the colours";
+                    label for="high" { "to" } input #high type="number" step="any" placeholder="auto" aria-label="Greatest value of the colours";
+                }
             }
             fieldset {
                 legend { "Section" }
@@ -226,8 +258,13 @@ mod tests {
         let summary: Summary = serde_json::from_value(summary).unwrap();
         let u = vec![[0.25; 3]; problem.mesh.num_nodes()];
         let nodes = vec![0.0; problem.mesh.num_nodes()];
-        let state =
-            crate::state::State { time: 5.0, displacement: u, von_mises: nodes.clone(), contact_pressure: nodes };
+        let state = crate::state::State {
+            time: 5.0,
+            displacement: u,
+            von_mises: nodes.clone(),
+            stress: vec![[0.0; 6]; nodes.len()],
+            contact_pressure: nodes,
+        };
         let report = Report {
             title: &case.title,
             about: "2 chambers",

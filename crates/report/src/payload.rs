@@ -1,5 +1,6 @@
 //! The data that the page's modules work on, as JSON.
 
+use pneuflex_mesh::Mesh;
 use pneuflex_model::SymmetryPlane;
 use serde::Serialize;
 
@@ -11,6 +12,7 @@ use crate::report::Report;
 use crate::series::Series;
 use crate::skin::{Lines, Skin};
 use crate::state::State;
+use crate::stretch::largest_stretch;
 use crate::subdivision::tetrahedra;
 
 #[derive(Serialize)]
@@ -79,6 +81,9 @@ struct StateData {
     displacement: Quantised,
     von_mises: Quantised,
     contact_pressure: Quantised,
+    /// Components of the stress, MPa, and the largest stretch, coarsely: they are for colours.
+    stress: Vec<Quantised>,
+    stretch: Quantised,
     /// Values that 99 % of the nodes (for the contact: of the nodes in contact) do not exceed.
     typical: Typical,
 }
@@ -116,14 +121,14 @@ fn body_data<'a>(report: &'a Report<'_>, states: &[State], series: &Series) -> R
     let mesh = &report.problem.mesh;
     let body = Body::new(mesh);
     let held = |plane: &SymmetryPlane| &report.problem.supports[plane.support].nodes[..];
-    let symmetry = report.mirror().map_or(&[][..], held);
-    let skin = Skin::new(mesh, &report.problem.cavity_facets(), symmetry, &body);
+    let symmetry: Vec<&[u32]> = report.mirror().map(held).into_iter().collect();
+    let skin = Skin::new(mesh, &report.problem.cavity_facets(), &symmetry, &body);
     // The mirror image is one at y = 0.
     let origin = if report.mirrored() { [0.0; 3] } else { centre(&mesh.nodes) };
     let nodes: Vec<f64> = body.nodes.iter().flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect();
     let lines = |lines: &Lines| LineData { pairs: integers(lines.pairs.as_flattened()), parts: lines.parts };
     let probes = report.summary.probes.iter().filter(|(_, site)| site.node < mesh.num_nodes());
-    let typical = |((state, p99), time): ((&State, f64), &f64)| state_data(&body, state, p99, *time);
+    let typical = |((state, p99), time): ((&State, f64), &f64)| state_data(mesh, &body, state, p99, *time);
     let p99 = report.summary.reached().map(|(_, reached)| reached.von_mises_p99_mpa);
     Ok(BodyData {
         mirrored: report.mirrored(),
@@ -148,19 +153,34 @@ pub(crate) fn centre(points: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|d| 0.5 * (end(d, f64::min) + end(d, f64::max)))
 }
 
-fn state_data(body: &Body, state: &State, von_mises_p99: f64, time: f64) -> Result<StateData, ReportError> {
+fn state_data(
+    mesh: &Mesh,
+    body: &Body,
+    state: &State,
+    von_mises_p99: f64,
+    time: f64,
+) -> Result<StateData, ReportError> {
     let quantised =
         |name: &str, values: &[f64]| Quantised::new(values).ok_or_else(|| ReportError::NotFinite(name.into()));
     // Between the nodes of hex20 a field may overshoot below zero, which neither of these can be.
     let scalar = |values: &[f64]| body.completed(values, 1).into_iter().map(|x| x.max(0.0)).collect::<Vec<f64>>();
     let mut touching: Vec<f64> = state.contact_pressure.iter().copied().filter(|p| *p > 0.0).collect();
     touching.sort_by(f64::total_cmp);
+    let coarse = |name: &str, values: &[f64]| {
+        Quantised::coarse(&body.completed(values, 1)).ok_or_else(|| ReportError::NotFinite(name.into()))
+    };
+    let component = |k: usize| {
+        let values: Vec<f64> = state.stress.iter().map(|stress| stress[k]).collect();
+        coarse("cauchy_stress", &values)
+    };
     let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
     Ok(StateData {
         time,
         displacement: quantised("displacement", &body.completed(state.displacement.as_flattened(), 3))?,
         von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
         contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,
+        stress: (0..6).map(component).collect::<Result<_, _>>()?,
+        stretch: coarse("stretch", &largest_stretch(mesh, &state.displacement))?,
         typical: Typical { von_mises: von_mises_p99, contact_pressure: contact_p99.copied().unwrap_or(0.0) },
     })
 }

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// Numbers as whole multiples of a step, 16 bits each.
+/// Numbers as whole multiples of a step, 16 or 8 bits each.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantised {
     /// The least number.
@@ -18,7 +18,16 @@ pub struct Quantised {
 impl Quantised {
     /// The numbers over their own range, or `None` if one of them is not finite.
     pub fn new(values: &[f64]) -> Option<Self> {
-        let levels = f64::from(u16::MAX);
+        Self::with_levels(values, u16::MAX, |level| level.to_le_bytes())
+    }
+
+    /// The same with 8 bits each: as many as there are colours.
+    pub fn coarse(values: &[f64]) -> Option<Self> {
+        Self::with_levels(values, u16::from(u8::MAX), |level| [level as u8])
+    }
+
+    fn with_levels<const N: usize>(values: &[f64], levels: u16, encode: impl Fn(u16) -> [u8; N]) -> Option<Self> {
+        let levels = f64::from(levels);
         let low = values.iter().copied().fold(f64::INFINITY, f64::min).min(f64::MAX);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max).max(f64::MIN);
         let (low, high) = if values.is_empty() { (0.0, 0.0) } else { (low, high) };
@@ -28,7 +37,7 @@ impl Quantised {
         }
         // Equal numbers need no steps at all.
         let level = |x: &f64| if step > 0.0 { ((x - low) / step).round().clamp(0.0, levels) as u16 } else { 0 };
-        Some(Self { low, step, data: STANDARD.encode(bytes(values, |x| level(x).to_le_bytes())) })
+        Some(Self { low, step, data: STANDARD.encode(bytes(values, |x| encode(level(x)))) })
     }
 }
 

@@ -25,7 +25,7 @@ pub struct Setup<'a> {
 }
 
 /// Something on the body.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// What kind of thing it is, e.g. `support`.
     pub kind: &'static str,
@@ -35,6 +35,8 @@ pub struct Part {
     pub facets: Vec<Facet>,
     /// Its nodes, drawn as dots.
     pub nodes: Vec<u32>,
+    /// Triangles that are none of the body's, mm.
+    pub triangles: Vec<[[f64; 3]; 3]>,
 }
 
 #[derive(Serialize)]
@@ -55,6 +57,7 @@ impl Part {
     fn count(&self) -> String {
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         match (self.facets.len(), self.nodes.len()) {
+            (0, 0) if !self.triangles.is_empty() => String::new(),
             (0, nodes) => count(nodes, "node"),
             (faces, _) => count(faces, "face"),
         }
@@ -79,7 +82,12 @@ pub fn render(setup: &Setup<'_>) -> Result<String, ReportError> {
         ),
         parts: (parts.iter())
             .map(|part| PartData {
-                triangles: points(&mut part.facets.iter().flat_map(|&facet| corners_of_triangles(mesh, facet))),
+                triangles: if part.triangles.is_empty() {
+                    points(&mut part.facets.iter().flat_map(|&facet| corners_of_triangles(mesh, facet)))
+                } else {
+                    let corners = part.triangles.as_flattened().iter();
+                    floats(&corners.flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect::<Vec<f64>>())
+                },
                 points: points(&mut part.nodes.iter().copied()),
             })
             .collect(),
@@ -124,8 +132,8 @@ mod tests {
         let problem = two_chambers(Formulation::Hex20);
         let facets = problem.cavities[0].facets.clone();
         let parts = vec![
-            Part { kind: "cavity", name: "<b>air".into(), facets: facets.clone(), nodes: Vec::new() },
-            Part { kind: "support", name: "clamp".into(), facets: Vec::new(), nodes: vec![0] },
+            Part { kind: "cavity", name: "<b>air".into(), facets: facets.clone(), ..Part::default() },
+            Part { kind: "support", name: "clamp".into(), nodes: vec![0], ..Part::default() },
         ];
         let setup = Setup { title: "</script><i>", about: "a case", mesh: &problem.mesh, parts };
         let html = render(&setup).unwrap();

@@ -53,9 +53,9 @@ struct EdgeSide {
 }
 
 impl Skin {
-    /// The surface of a body made from `mesh`, whose air is behind the facets `cavity`, and whose other half, if it has one,
-    /// begins at the nodes `symmetry`.
-    pub fn new(mesh: &Mesh, cavity: &[Facet], symmetry: &[u32], body: &Body) -> Self {
+    /// The surface of a body made from `mesh`, whose air is behind the facets `cavity`, and whose other parts, if it has some,
+    /// begin at the nodes of every plane of `symmetry`.
+    pub fn new(mesh: &Mesh, cavity: &[Facet], symmetry: &[&[u32]], body: &Body) -> Self {
         let facets = parts(mesh, cavity, symmetry);
         let mut local: Vec<(&ElementFamily, Vec<Vec<[u8; 3]>>)> = Vec::new();
         for Block { family, .. } in body.blocks() {
@@ -122,17 +122,19 @@ impl Lines {
     }
 }
 
-/// The facets of the boundary: outside, cavity, symmetry plane.
-fn parts(mesh: &Mesh, cavity: &[Facet], symmetry: &[u32]) -> [Vec<Facet>; 3] {
-    let mut in_plane = vec![false; mesh.num_nodes()];
-    for &node in symmetry {
-        in_plane[node as usize] = true;
+/// The facets of the boundary: outside, cavity, planes of symmetry.
+fn parts(mesh: &Mesh, cavity: &[Facet], symmetry: &[&[u32]]) -> [Vec<Facet>; 3] {
+    // A bit for each plane.
+    let mut in_planes = vec![0_u8; mesh.num_nodes()];
+    for (bit, nodes) in symmetry.iter().enumerate() {
+        nodes.iter().for_each(|&node| in_planes[node as usize] |= 1 << bit);
     }
     let mut cavity = cavity.to_vec();
     cavity.sort_unstable();
     let mut parts: [Vec<Facet>; 3] = Default::default();
     for facet in mesh.boundary_facets() {
-        let in_symmetry = mesh.facet_nodes(facet).iter().all(|&n| in_plane[n as usize]);
+        let in_symmetry =
+            mesh.facet_nodes(facet).iter().fold(u8::MAX, |planes, &n| planes & in_planes[n as usize]) != 0;
         let part = if in_symmetry { 2 } else { usize::from(cavity.binary_search(&facet).is_ok()) };
         parts[part].push(facet);
     }
@@ -175,7 +177,7 @@ mod tests {
         for formulation in Formulation::ALL {
             let problem = two_chambers(formulation);
             let (mesh, body) = (&problem.mesh, Body::new(&problem.mesh));
-            let skin = Skin::new(mesh, &problem.cavity_facets(), mesh.node_set("symmetry"), &body);
+            let skin = Skin::new(mesh, &problem.cavity_facets(), &[mesh.node_set("symmetry")], &body);
             let at = |vertex: u32| body.nodes[skin.vertices[vertex as usize] as usize];
             let cone = |t: &[u32; 3]| volume([[0.0; 3], at(t[0]), at(t[1]), at(t[2])]);
             let sum: f64 = skin.triangles.iter().map(cone).sum();
@@ -196,7 +198,7 @@ mod tests {
     fn sharp_edges_are_those_between_flat_sides() {
         let problem = two_chambers(Formulation::Hex27);
         let mesh = &problem.mesh;
-        let skin = Skin::new(mesh, &problem.cavity_facets(), mesh.node_set("symmetry"), &Body::new(mesh));
+        let skin = Skin::new(mesh, &problem.cavity_facets(), &[mesh.node_set("symmetry")], &Body::new(mesh));
         // Every side of this body is in a plane across an axis: along a sharp edge two coordinates stay.
         for [a, b] in &skin.sharp_edges.pairs {
             let (a, b) = (mesh.nodes[*a as usize], mesh.nodes[*b as usize]);

@@ -15,6 +15,8 @@ pub struct State {
     pub displacement: Vec<[f64; 3]>,
     /// von Mises stress, MPa.
     pub von_mises: Vec<f64>,
+    /// Cauchy stress, MPa: xx, yy, zz, xy, yz, xz.
+    pub stress: Vec<[f64; 6]>,
     /// Length of the traction that the opposite wall and obstacles exert, MPa; zero elsewhere.
     pub contact_pressure: Vec<f64>,
 }
@@ -35,6 +37,7 @@ impl State {
             time: body.time,
             displacement: field(body, "displacement", 3)?.as_chunks().0.to_vec(),
             von_mises: field(body, "von_mises", 1)?,
+            stress: field(body, "cauchy_stress", 6)?.as_chunks().0.to_vec(),
             contact_pressure: vec![0.0; nodes.len()],
         };
         if let Some(walls) = walls {

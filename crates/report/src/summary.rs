@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use pneuflex_model::StateKind;
 use serde::Deserialize;
 
+use crate::comparison::Comparison;
+
 /// Number of the form that numbers of the whole body have.
 pub const FORMAT: u32 = 2;
 
@@ -58,6 +60,9 @@ pub struct Summary {
     /// Derivatives of results, if they were asked for: they come from a file of their own.
     #[serde(default)]
     pub gradients: Vec<Gradient>,
+    /// How the run compares with measurements, if that was asked for: it comes from a file of its own.
+    #[serde(default)]
+    pub comparison: Option<Comparison>,
 }
 
 /// Derivatives of a result of a state, as `gradients.json` has them.

@@ -160,6 +160,35 @@ impl Browser {
         event("mouseReleased", last, 0)
     }
 
+    /// Presses a key, e.g. `ArrowDown`, with what has the focus.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn key(&mut self, key: &str, code: u32) -> Result<(), String> {
+        for kind in ["rawKeyDown", "keyUp"] {
+            let parameters = json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code});
+            self.call("Input.dispatchKeyEvent", &parameters)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a text where the focus is.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn write(&mut self, text: &str) -> Result<(), String> {
+        self.call("Input.insertText", &json!({"text": text})).map(drop)
+    }
+
+    /// Lets files that a page saves go to a folder.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn save_into(&mut self, folder: &Path) -> Result<(), String> {
+        let parameters = json!({"behavior": "allow", "downloadPath": folder.display().to_string()});
+        self.call("Browser.setDownloadBehavior", &parameters).map(drop)
+    }
+
     /// Touches a place with a finger.
     ///
     /// # Errors

@@ -50,6 +50,11 @@ pub fn look(browser: &mut Browser, screen: &Screen, results: &Results, pictures:
     let tip = visit.probe()?;
     visit.slider(&tip)?;
     visit.legend()?;
+    visit.more_fields()?;
+    visit.range()?;
+    visit.without_perspective()?;
+    visit.plots()?;
+    visit.film()?;
     visit.section()?;
     visit.theme()?;
     visit.whole_page()?;
@@ -158,7 +163,7 @@ pub fn without_graphics(browser: &mut Browser, results: &Results) -> Result<(), 
          document.querySelectorAll('#plots svg').length, document.querySelectorAll('.results tbody tr').length]",
     )?;
     let steps = results.summary["steps"].as_array().map_or(0, Vec::len);
-    expect(state == json!([true, false, 5, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
+    expect(state == json!([true, false, 6, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
     let complaints = browser.complaints()?;
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
 }
@@ -302,6 +307,158 @@ impl Visit<'_> {
             self.picture(&format!("4-{field}"))?;
         }
         self.click("input[value=vonMises] + span")
+    }
+
+    /// Goes through the list of further fields by the keyboard: each has its name and a range, and the values are those of the summary
+    /// where it has them.
+    fn more_fields(&mut self) -> Result<(), String> {
+        let tip = self.tip()?;
+        let names = self
+            .browser
+            .evaluate("[...document.querySelectorAll('#more-fields option')].slice(1).map((o) => o.value)")?;
+        let names: Vec<String> = serde_json::from_value(names).map_err(|e| e.to_string())?;
+        expect(names.len() == 11, || format!("the further fields are {names:?}"))?;
+        self.browser.evaluate("document.getElementById('more-fields').focus()")?;
+        for name in &names {
+            self.browser.key("ArrowDown", 40)?;
+            self.until_drawn()?;
+            let field = self.browser.evaluate("pneuflex.field")?;
+            expect(field == name.as_str(), || format!("{field} is shown instead of {name}"))?;
+            let [low, high] = self.browser.numbers("pneuflex.colours")?[..] else { return Err("no colours".into()) };
+            let value = self.browser.numbers(&format!("[pneuflex.valueAt({})]", tip.node))?[0];
+            let is_signed = name != "stretch";
+            expect(!is_signed || (low + high).abs() < 1e-9 * high, || format!("{name} goes from {low} to {high}"))?;
+            expect(low < high && value.is_finite(), || format!("{name}: {value} between {low} and {high}"))?;
+            let expected =
+                ["ux", "uy", "uz"].iter().position(|component| component == name).map(|d| tip.displacement[d]);
+            expect(expected.is_none_or(|u| (value - u).abs() < TOLERANCE), || {
+                format!("{name} of the tip is {value}, not {expected:?}")
+            })?;
+            expect(name != "stretch" || low >= 1.0 - 0.01 && value > 0.99, || format!("stretch {value} from {low}"))?;
+            if ["uz", "stretch", "sxx"].contains(&name.as_str()) {
+                self.show_stage()?;
+                self.picture(&format!("4-{name}"))?;
+                self.browser.evaluate("document.getElementById('more-fields').focus()")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Types the ends of the colours: they are those, and what lies beyond is said.
+    fn range(&mut self) -> Result<(), String> {
+        self.click("input[value=displacement] + span")?;
+        let whole = self.browser.numbers("pneuflex.legend")?;
+        for (field, text) in [("#low", "0.01"), ("#high", "0.25")] {
+            self.click(field)?;
+            self.browser.write(text)?;
+        }
+        self.until_drawn()?;
+        let (colours, legend) = (self.browser.numbers("pneuflex.colours")?, self.text("#legend")?);
+        let is_so = (colours[0] - 0.01).abs() < 1e-12 && (colours[1] - 0.25).abs() < 1e-12;
+        expect(is_so && legend.contains("down to ") && legend.contains(" and up to "), || {
+            format!("{colours:?}, {legend:?}")
+        })?;
+        self.show_stage()?;
+        self.picture("4-range")?;
+        // Another field has a range of its own again.
+        self.click("input[value=vonMises] + span")?;
+        self.click("input[value=displacement] + span")?;
+        let again = self.browser.numbers("pneuflex.legend")?;
+        expect(again == whole, || format!("the legend is {again:?} instead of {whole:?}"))
+    }
+
+    /// Seen from the side, lengths on the page are those of the body in all depths, as the bar says.
+    fn without_perspective(&mut self) -> Result<(), String> {
+        self.click("[data-view=side]")?;
+        let [mm, pixels] = self.browser.numbers("pneuflex.scale")?[..] else { return Err("no scale".into()) };
+        let near = self.results.mesh()?.nearest_node([0.0, 0.0, 0.0]).ok_or("an empty mesh")?.0;
+        let far = self.results.mesh()?.nearest_node([99.0, 99.0, 0.0]).ok_or("an empty mesh")?.0;
+        let places = format!(
+            "[...pneuflex.placeOnPage({near}), ...pneuflex.placeOnPage({far}), ...pneuflex.positionOf({near}), ...pneuflex.positionOf({far})]"
+        );
+        let found = self.browser.numbers(&places)?;
+        let [on_page, depth] = [distance(&found[..2], &found[2..4]), (found[5] - found[8]).abs()];
+        let length = (found[4] - found[7]).hypot(found[6] - found[9]);
+        let expected = length * pixels / mm;
+        expect(depth > 1.0 && (on_page / expected - 1.0).abs() < 5e-3, || {
+            format!("{length} mm in {depth} mm of depth are {on_page} pixels, by the bar {expected}")
+        })?;
+        self.show_stage()?;
+        self.picture("4-side")
+    }
+
+    /// Saves a plot as numbers and as a picture, and plots one quantity over another.
+    fn plots(&mut self) -> Result<(), String> {
+        let folder = self.pictures.join(format!("saved-{}", self.screen.name));
+        fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
+        self.browser.save_into(&folder)?;
+        let buttons =
+            [("#plots figure .saves button:first-child", "csv"), ("#plots figure .saves button:last-child", "png")];
+        for (button, ending) in buttons {
+            self.click(button)?;
+            let bytes = self.saved(&folder, ending)?;
+            if ending == "png" {
+                expect(bytes.starts_with(b"\x89PNG") && bytes.len() > 3000, || {
+                    format!("a picture of {} bytes", bytes.len())
+                })?;
+                continue;
+            }
+            let text = String::from_utf8(bytes).map_err(|e| e.to_string())?;
+            let last = self.results.summary["steps"].as_array().and_then(|steps| steps.last()).ok_or("no steps")?;
+            let numbers = text
+                .lines()
+                .last()
+                .map(|line| line.split(',').filter_map(|x| x.parse::<f64>().ok()).collect::<Vec<_>>());
+            let expected = [&last["pressure_kpa"], &last["end_face_angle_deg"]].map(|x| x.as_f64().unwrap_or(f64::NAN));
+            let is_last = numbers.as_ref().is_some_and(|found| found.len() == 2 && distance(found, &expected) < 1e-6);
+            expect(is_last && text.starts_with("\"pressure, kPa\",Bending angle"), || {
+                format!("the numbers are {text:?}")
+            })?;
+        }
+        let before = self.text("#plots .own figcaption")?;
+        self.browser.evaluate("document.getElementById('own-y').focus()")?;
+        self.browser.key("ArrowDown", 40)?;
+        let name = self.browser.evaluate("document.getElementById('own-y').selectedOptions[0].text")?;
+        let after = self.text("#plots .own figcaption")?;
+        let curves = self.browser.numbers("[document.querySelectorAll('#plots .own svg .line').length]")?;
+        expect(before != after && after.starts_with(name.as_str().unwrap_or("?")) && curves == [1.0], || {
+            format!("{name} is chosen, and the plot is {after:?} with {curves:?} curves")
+        })
+    }
+
+    /// Records a film; on one screen, because it takes its time.
+    fn film(&mut self) -> Result<(), String> {
+        if self.screen.name != SCREENS[0].name {
+            return Ok(());
+        }
+        let folder = self.pictures.join(format!("saved-{}", self.screen.name));
+        self.click("#record")?;
+        self.browser.wait_for("Number(document.getElementById('record').dataset.bytes) > 0")?;
+        let film = self.saved(&folder, "webm")?;
+        // EBML, by which Matroska begins.
+        expect(film.starts_with(&[0x1A, 0x45, 0xDF, 0xA3]) && film.len() > 10_000, || {
+            format!("a film of {} bytes", film.len())
+        })?;
+        let at = self.browser.numbers("[pneuflex.time, Number(document.getElementById('time').max)]")?;
+        expect(at[0] == at[1], || format!("after the film the slider is at {}", at[0]))
+    }
+
+    /// The bytes of a file that the page saves.
+    fn saved(&mut self, folder: &Path, ending: &str) -> Result<Vec<u8>, String> {
+        for _ in 0..200 {
+            let entries = fs::read_dir(folder).map_err(|e| e.to_string())?.flatten();
+            if let Some(file) =
+                entries.map(|entry| entry.path()).find(|path| path.extension().is_some_and(|e| e == ending))
+            {
+                return fs::read(file).map_err(|e| e.to_string());
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        Err(format!("no .{ending} was saved"))
+    }
+
+    fn show_stage(&mut self) -> Result<(), String> {
+        self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})").map(drop)
     }
 
     fn section(&mut self) -> Result<(), String> {

@@ -151,6 +151,16 @@ fn results() {
 }
 
 #[test]
+fn compare() {
+    works("compare.md");
+}
+
+#[test]
+fn export() {
+    works("export.md");
+}
+
+#[test]
 fn geometry() {
     works("geometry.md");
 }

@@ -14,7 +14,9 @@
 
 mod bad_input;
 mod case_files;
+mod comparisons;
 mod converge;
+mod exports;
 mod fit;
 mod gradients;
 mod guide;

@@ -149,6 +149,15 @@ fn states_of_a_run_are_drawn_with_their_obstacles() {
                 element = \"hex8-q1p0\"\n[load]\npressure_kpa = [2, 4]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\n\
                 centre = [20, 0, -6]\nradius = 4\n";
     fs::write(scratch.path("case.toml"), case).unwrap();
+    // Before it is solved, the obstacle itself is there, beside the faces that may touch it.
+    assert_eq!(scratch.run(&["check", "case.toml", "--picture", "check.html"]).code, 0);
+    let page = fs::read_to_string(scratch.path("check.html")).unwrap();
+    let (listed, data) = page.split_once("report-data\" type=\"application/json\">").unwrap();
+    let kinds: Vec<&str> = listed.split("<strong>").skip(1).filter_map(|rest| rest.split("</strong>").next()).collect();
+    assert_eq!(kinds.iter().filter(|kind| **kind == "obstacle").count(), 2, "{kinds:?}");
+    let data: serde_json::Value = serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
+    let last = data["parts"].as_array().unwrap().last().unwrap();
+    assert!(last["triangles"].as_str().unwrap().len() > 10_000 && last["points"] == "", "the ball");
     assert_eq!(scratch.run(&["run", "case.toml", "--out", "run", "--quiet", "--no-report"]).code, 0);
     let drawn = scratch.run(&["picture", "run"]);
     assert_eq!(drawn.code, 0, "{drawn:?}");

@@ -192,6 +192,14 @@ impl Drawing {
         raster::write(self, scale)
     }
 
+    /// Its pixels, as many as CSS pixels: width, height, and red, green and blue of each, row by row from the top.
+    ///
+    /// # Errors
+    /// As for [`Self::to_png`].
+    pub fn pixels(&self) -> Result<(usize, usize, Vec<u8>), PlotError> {
+        raster::pixels(self, 1.0)
+    }
+
     fn path(&mut self, points: &[[f64; 2]], is_closed: bool, stroke: Option<Stroke>, fill: Option<Colour>) {
         // A point that is nowhere would spoil the file.
         if points.len() > 1 && points.as_flattened().iter().all(|v| v.is_finite()) {

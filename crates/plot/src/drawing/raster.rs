@@ -14,6 +14,12 @@ use crate::error::PlotError;
 const LARGEST: f64 = 30_000.0;
 
 pub(super) fn write(drawing: &Drawing, scale: f64) -> Result<Vec<u8>, PlotError> {
+    let (width, height, rgb) = pixels(drawing, scale)?;
+    encode_png(width, height, &rgb)
+}
+
+/// Width, height, and red, green and blue of every pixel.
+pub(super) fn pixels(drawing: &Drawing, scale: f64) -> Result<(usize, usize, Vec<u8>), PlotError> {
     let [width, height] = [drawing.width, drawing.height].map(|x| (x * scale).ceil());
     let not_drawable = || PlotError::NotDrawable { what: format!("a sheet of {width} by {height} pixels") };
     if !(1.0..=LARGEST).contains(&width) || !(1.0..=LARGEST).contains(&height) {
@@ -25,8 +31,8 @@ pub(super) fn write(drawing: &Drawing, scale: f64) -> Result<Vec<u8>, PlotError>
         draw(&mut sheet, shape, Transform::from_scale(scale as f32, scale as f32))?;
     }
     // The sheet is opaque: nothing is multiplied in.
-    let rgb: Vec<u8> = sheet.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-    encode_png(width as usize, height as usize, &rgb)
+    let rgb = sheet.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    Ok((width as usize, height as usize, rgb))
 }
 
 fn draw(sheet: &mut Pixmap, shape: &Shape, scale: Transform) -> Result<(), PlotError> {

@@ -31,9 +31,10 @@ mod view;
 
 pub use colour_map::viridis;
 pub use marks::{Nearest, nearest};
+pub use obstacles::{ObstacleSurface, obstacle_surface};
 pub use view::View;
 
-use pneuflex_model::{LoadParameter, Problem};
+use pneuflex_model::{Image, LoadParameter, Problem};
 
 use crate::chart::ticks;
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
@@ -56,7 +57,7 @@ pub struct Body<'a> {
     pub displacement: &'a [[f64; 3]],
     /// Nodal field that colours it; `None` for one colour.
     pub field: Option<&'a [f64]>,
-    /// Whether to show a half model together with its other half.
+    /// Whether to show a modelled part together with its mirror images.
     pub is_mirrored: bool,
     /// Where on the load path its obstacles are; `None` to leave them out.
     pub obstacles_at: Option<LoadParameter>,
@@ -68,9 +69,15 @@ impl<'a> Body<'a> {
         Self { problem, displacement, field: None, is_mirrored: false, obstacles_at: None }
     }
 
-    /// Whether it is a half model whose inside is seen through the symmetry plane.
-    fn shows_section(&self) -> bool {
-        self.problem.supports.iter().any(|s| s.name == "symmetry") && !self.is_mirrored
+    /// The plane y = const through which the inside of a half model is seen, which lies above it.
+    fn section(&self) -> Option<f64> {
+        let plane = self.problem.symmetry.iter().find(|plane| plane.axis == 1).filter(|_| !self.is_mirrored)?;
+        self.problem.mesh.nodes.iter().any(|x| x[1] > plane.at + 1e-6 * plane.at.abs().max(1.0)).then_some(plane.at)
+    }
+
+    /// The images of the modelled part that are shown.
+    fn images(&self) -> Vec<Image> {
+        if self.is_mirrored { self.problem.images() } else { vec![Image::default()] }
     }
 }
 
@@ -102,7 +109,7 @@ impl<'a> Panel<'a> {
         let deepest = wanted.min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm));
         self.inset = deepest.map(|n| {
             let [x, y, z] = n.position;
-            [x, if self.body.shows_section() { 0.0 } else { y }, z]
+            [x, self.body.section().unwrap_or(y), z]
         });
         Ok(self)
     }
@@ -137,6 +144,9 @@ pub struct Figure<'a> {
     pub ring_deeper_than: Option<f64>,
     /// Pixels of the image per px of the drawing.
     pub sharpness: f64,
+    /// Points that the picture has room for, mm, in place of what it shows: of the body, and as far as they are near of obstacles. Pictures
+    /// of a film have the same.
+    pub room: Option<[Vec<Vec3>; 2]>,
 }
 
 impl<'a> Figure<'a> {
@@ -154,6 +164,7 @@ impl<'a> Figure<'a> {
             inset_width: 6.0,
             ring_deeper_than: Some(0.1),
             sharpness: 2.0,
+            room: None,
         }
     }
 
@@ -180,28 +191,28 @@ impl<'a> Figure<'a> {
             if let Some(inset) = panel.inset {
                 check("inset", &inset, 3)?;
             }
-            let skin = Skin::new(problem, displacement, field, is_mirrored);
+            let images = panel.body.images();
+            let skin = Skin::new(problem, displacement, field, &images);
             bounds = bounds.join(&skin.bounds);
             let mut rings: Vec<Vec<Vec3>> = match self.ring_deeper_than {
                 Some(depth) => marks::deeper_than(problem, displacement, depth)?,
                 None => Vec::new(),
             };
-            if panel.body.shows_section() {
+            if let Some(plane) = panel.body.section() {
                 // What is seen of it is its cut by the symmetry plane.
-                rings.iter_mut().flatten().for_each(|point| point[1] = 0.0);
-            } else if is_mirrored {
+                rings.iter_mut().flatten().for_each(|point| point[1] = plane);
+            } else {
                 for ring in &mut rings {
-                    let other: Vec<Vec3> = ring.iter().map(|&[x, y, z]| [x, -y, z]).collect();
-                    ring.extend(other);
+                    *ring = images.iter().flat_map(|image| ring.iter().map(|&point| image.point(point))).collect();
                 }
             }
             rings.retain(|ring| !ring.is_empty());
             let values =
                 field.map(|f| f.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]));
-            let extent = match (is_mirrored, panel.body.shows_section()) {
-                (true, _) => Extent::Mirrored,
-                (false, true) => Extent::Section,
-                (false, false) => Extent::Whole,
+            let extent = match (is_mirrored, panel.body.section()) {
+                (true, _) => Extent::Whole,
+                (false, Some(plane)) => Extent::Section(plane),
+                (false, None) => Extent::Part,
             };
             let obstacles =
                 obstacles_at.map(|at| obstacles::faces(problem, at, &skin.bounds, extent)).unwrap_or_default();
@@ -256,18 +267,26 @@ struct Layout {
 
 impl Layout {
     fn new(figure: &Figure<'_>, scenes: &[Scene], range: Option<[f64; 2]>) -> Result<Self, PlotError> {
-        let bounds = scenes.iter().fold(Bounds::EMPTY, |b, s| b.join(&s.skin.bounds));
-        let camera = Camera::new(&figure.view, bounds.centre(), norm(sub(bounds.high, bounds.low)));
-        let mut frame = Frame::EMPTY;
-        for vertex in scenes.iter().flat_map(|s| &s.skin.faces).flat_map(|f| &f.vertices) {
-            let seen = camera.see(vertex.position);
-            frame = frame.with([seen.x, seen.y]);
+        let corners = |faces: fn(&Scene) -> &[Face]| {
+            let vertices = scenes.iter().flat_map(faces).flat_map(|face| &face.vertices);
+            vertices.map(|vertex| vertex.position).collect::<Vec<Vec3>>()
+        };
+        let own = || [corners(|scene| &scene.skin.faces), corners(|scene| &scene.obstacles)];
+        let [body, obstacles] = figure.room.clone().unwrap_or_else(own);
+        let bounds = Bounds::around(&body);
+        if !bounds.low.iter().chain(&bounds.high).all(|x| x.is_finite()) {
+            return Err(PlotError::NotDrawable { what: "a figure without room".into() });
         }
+        let camera = Camera::new(&figure.view, bounds.centre(), norm(sub(bounds.high, bounds.low)));
+        let seen = |point: &Vec3| {
+            let seen = camera.see(*point);
+            [seen.x, seen.y]
+        };
+        let mut frame = body.iter().fold(Frame::EMPTY, |frame, point| frame.with(seen(point)));
         // Obstacles as far as they are near.
         let most = frame.grown(frame.size().map(|s| (1.0 + NEAR) * s));
-        for vertex in scenes.iter().flat_map(|s| &s.obstacles).flat_map(|f| &f.vertices) {
-            let seen = camera.see(vertex.position);
-            frame = frame.with(std::array::from_fn(|d| [seen.x, seen.y][d].clamp(most.low[d], most.high[d])));
+        for point in obstacles.iter().map(seen) {
+            frame = frame.with(std::array::from_fn(|d| point[d].clamp(most.low[d], most.high[d])));
         }
         // Room for lines and rings at the border.
         let room = 0.04 * frame.size()[0].max(frame.size()[1]);

@@ -18,14 +18,14 @@ const BEYOND: f64 = 0.15;
 const THICKNESS: f64 = 0.01;
 
 /// Which part of a half model's world is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Extent {
-    /// All of it, what stands beside the plane of symmetry once.
+    /// All of it, what stands beside a plane of symmetry once.
+    Part,
+    /// All of it, with the mirror images of what stands beside planes of symmetry.
     Whole,
-    /// All of it, what stands beside the plane of symmetry twice.
-    Mirrored,
-    /// What lies on the modelled side, y > 0.
-    Section,
+    /// What lies on the modelled side of a plane y = const, above it.
+    Section(f64),
 }
 
 /// The obstacles of a body that fills a box, at a position on the load path. What the body is inside of is left out: it would hide it.
@@ -34,23 +34,22 @@ pub(crate) fn faces(problem: &Problem, at: LoadParameter, body: &Bounds, extent:
     for obstacle in &problem.obstacles {
         let mut own = surface(obstacle, at, body);
         match extent {
-            Extent::Whole => {}
-            Extent::Mirrored => {
-                let beside = problem.symmetry.iter().find(|plane| plane.axis == 1 && !plane.is_symmetry_of(obstacle));
-                if let Some(plane) = beside {
+            Extent::Part => {}
+            Extent::Whole => {
+                for plane in problem.symmetry.iter().filter(|plane| !plane.is_symmetry_of(obstacle)) {
                     let mut other = own.clone();
                     for vertex in other.iter_mut().flat_map(|face| &mut face.vertices) {
-                        vertex.position[1] = 2.0 * plane.at - vertex.position[1];
-                        vertex.normal[1] = -vertex.normal[1];
+                        vertex.position = plane.mirror_point(vertex.position);
+                        vertex.normal = plane.mirror_vector(vertex.normal);
                     }
                     own.extend(other);
                 }
             }
-            Extent::Section => {
+            Extent::Section(plane) => {
                 for vertex in own.iter_mut().flat_map(|face| &mut face.vertices) {
-                    if vertex.position[1] < 0.0 {
+                    if vertex.position[1] < plane {
                         // The cut is flat.
-                        vertex.position[1] = 0.0;
+                        vertex.position[1] = plane;
                         vertex.normal = [0.0, -1.0, 0.0];
                     }
                 }
@@ -59,6 +58,32 @@ pub(crate) fn faces(problem: &Problem, at: LoadParameter, body: &Bounds, extent:
         all.extend(own);
     }
     all
+}
+
+/// The surface of an obstacle as triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObstacleSurface {
+    /// Corners, mm, with their outward unit normals.
+    pub corners: Vec<[Vec3; 2]>,
+    /// Corners of the triangles, which look outwards.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// An obstacle at a position on the load path, beside a body around which there are points. What is endless ends a little beyond them; what
+/// the body is inside of has no surface, which would hide it.
+pub fn obstacle_surface(obstacle: &Obstacle, at: LoadParameter, points: &[Vec3]) -> ObstacleSurface {
+    let mut found = ObstacleSurface::default();
+    for face in surface(obstacle, at, &Bounds::around(points)) {
+        let first = found.corners.len() as u32;
+        found.triangles.extend(face.triangles().into_iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|i| face.vertices[i].position);
+            let area = cross(std::array::from_fn(|d| b[d] - a[d]), std::array::from_fn(|d| c[d] - a[d]));
+            let [i, j, k] = triangle.map(|i| first + i as u32);
+            if dot(area, face.vertices[triangle[0]].normal) < 0.0 { [i, k, j] } else { [i, j, k] }
+        }));
+        found.corners.extend(face.vertices.iter().map(|vertex| [vertex.position, vertex.normal]));
+    }
+    found
 }
 
 fn surface(obstacle: &Obstacle, at: LoadParameter, body: &Bounds) -> Vec<Face> {
@@ -224,6 +249,13 @@ mod tests {
             let vertices = || faces.iter().flat_map(|face| &face.vertices);
             assert!(!faces.is_empty() && vertices().all(|v| distance(v.position).abs() < 1e-9), "{shape:?}");
             assert!(vertices().all(|v| (norm(v.normal) - 1.0).abs() < 1e-9), "{shape:?}");
+            let found = obstacle_surface(&thing(shape.clone(), motion()), at, &[body.low, body.high]);
+            let outwards = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|i| found.corners[i as usize]);
+                let edge = |to: [Vec3; 2]| std::array::from_fn(|d| to[0][d] - a[0][d]);
+                dot(cross(edge(b), edge(c)), a[1]) >= 0.0
+            };
+            assert!(found.triangles.len() > 1000 && found.triangles.iter().all(outwards), "{shape:?}");
         }
         // What is endless reaches beyond the body; one does not look at a plane from behind, nor through a tube.
         let plane = surface(&thing(Shape::Plane { point: centre, normal: [0.0, 0.0, 1.0] }, None), at, &body);
@@ -247,8 +279,8 @@ mod tests {
         };
         let near =
             |(count, least): (usize, f64), (expected, y): (usize, f64)| count == expected && (least - y).abs() < 1e-9;
-        assert!(near(count(0.0, Extent::Whole), (6, -3.0)) && near(count(0.0, Extent::Mirrored), (6, -3.0)));
-        assert!(near(count(5.0, Extent::Whole), (6, 2.0)) && near(count(5.0, Extent::Mirrored), (12, -8.0)));
-        assert!(near(count(0.0, Extent::Section), (6, 0.0)));
+        assert!(near(count(0.0, Extent::Part), (6, -3.0)) && near(count(0.0, Extent::Whole), (6, -3.0)));
+        assert!(near(count(5.0, Extent::Part), (6, 2.0)) && near(count(5.0, Extent::Whole), (12, -8.0)));
+        assert!(near(count(0.0, Extent::Section(0.0)), (6, 0.0)));
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_mesh::{FaceKind, Outline, shape};
-use pneuflex_model::Problem;
+use pneuflex_model::{Image, Problem};
 
 use pneuflex_mesh::vector::{Vec3, cross, dot, norm, sub};
 use pneuflex_post::surface::{Bounds, Patch};
@@ -50,33 +50,42 @@ pub(crate) struct Skin {
 /// Faces that meet at more than this angle at rest have an edge of the body between them, degrees.
 const CREASE_DEG: f64 = 20.0;
 
+/// A node of an image.
+type Corner = (u32, u8);
+
+/// A face beside an edge, which of its edges that is, and its normal at rest.
+type Side = (usize, usize, Vec3);
+
 impl Skin {
-    /// The boundary of a body; with `mirrored`, of a half model together with its other half.
+    /// The boundary of a body: of the modelled part, or of some images of it together, which meet in planes of symmetry.
     ///
     /// `values` is a nodal field. Lengths are taken for granted.
-    pub fn new(problem: &Problem, displacement: &[[f64; 3]], values: Option<&[f64]>, mirrored: bool) -> Self {
+    pub fn new(problem: &Problem, displacement: &[[f64; 3]], values: Option<&[f64]>, images: &[Image]) -> Self {
         let mesh = &problem.mesh;
-        let nodes = mesh.num_nodes() as u32;
-        let on_plane: Vec<bool> = mesh.nodes.iter().map(|x| mirrored && x[1].abs() < 1e-9).collect();
+        // A bit for each plane that the node lies in.
+        let mut on_planes = vec![0_u8; mesh.num_nodes()];
+        if images.len() > 1 {
+            for (bit, plane) in problem.symmetry.iter().enumerate() {
+                problem.supports[plane.support].nodes.iter().for_each(|&node| on_planes[node as usize] |= 1 << bit);
+            }
+        }
         let table = |kind: FaceKind| -> (usize, Vec<_>) {
             let pieces = if kind.is_linear() { 3 } else { 6 };
             (pieces, grid(kind, pieces).into_iter().map(|xi| (xi, shape::evaluate_face(kind, xi))).collect())
         };
         let mut tables: BTreeMap<usize, _> = BTreeMap::new();
         let mut faces = Vec::new();
-        let mut meeting: BTreeMap<[u32; 2], Vec<(usize, usize, Vec3)>> = BTreeMap::new();
+        let mut meeting: BTreeMap<[Corner; 2], Vec<Side>> = BTreeMap::new();
         for facet in mesh.boundary_facets() {
             let numbers = mesh.facet_nodes(facet);
-            if numbers.iter().all(|&n| on_plane[n as usize]) {
+            if numbers.iter().fold(u8::MAX, |planes, &n| planes & on_planes[n as usize]) != 0 {
                 continue;
             }
             let kind = mesh.face_kind(facet);
             let (pieces, table) = tables.entry(kind.num_nodes()).or_insert_with(|| table(kind));
             let patch = Patch::new(mesh, facet, Some(displacement));
             let rest = unit(Patch::new(mesh, facet, None).at(kind.centre()).area_vector);
-            for half in 0..if mirrored { 2 } else { 1 } {
-                let side = if half == 0 { 1.0 } else { -1.0 };
-                let turned = |[x, y, z]: Vec3| [x, side * y, z];
+            for (number, image) in images.iter().enumerate() {
                 let vertices = table
                     .iter()
                     .map(|(xi, shape)| {
@@ -84,18 +93,16 @@ impl Skin {
                         let value = values.map_or(0.0, |v| {
                             numbers.iter().zip(shape.values.iter()).map(|(&n, s)| s * v[n as usize]).sum()
                         });
-                        let normal = turned(unit(point.area_vector));
-                        Vertex { position: turned(point.position), normal, xi: *xi, value }
+                        let normal = image.vector(unit(point.area_vector));
+                        Vertex { position: image.point(point.position), normal, xi: *xi, value }
                     })
                     .collect();
-                let corner = |i: usize| {
-                    let n = numbers[i];
-                    if half == 1 && !on_plane[n as usize] { n + nodes } else { n }
-                };
+                // An image of a node in a plane is that of the image on the other side.
+                let corner = |i: usize| (numbers[i], number as u8 & !on_planes[numbers[i] as usize]);
                 for (edge, corners) in kind.edges().enumerate() {
                     let mut key = corners.map(corner);
                     key.sort_unstable();
-                    meeting.entry(key).or_default().push((faces.len(), edge, turned(rest)));
+                    meeting.entry(key).or_default().push((faces.len(), edge, image.vector(rest)));
                 }
                 faces.push(Face { kind, vertices, pieces: *pieces, is_edge: [false; 4], is_of_body: true });
             }
@@ -201,7 +208,7 @@ mod tests {
     fn the_skin_is_closed_and_looks_outwards() {
         for problem in [two_chambers(2.0), with_formulation(3.0, Formulation::Tet15)] {
             let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
-            assert!((volume(&Skin::new(&problem, &zero, None, false)) - 1268.0).abs() < 1e-9);
+            assert!((volume(&Skin::new(&problem, &zero, None, &[Image::default()])) - 1268.0).abs() < 1e-9);
         }
     }
 
@@ -209,7 +216,7 @@ mod tests {
     fn the_other_half_has_no_wall_between() {
         let problem = two_chambers(2.0);
         let zero = vec![[0.0; 3]; problem.mesh.num_nodes()];
-        let whole = Skin::new(&problem, &zero, None, true);
+        let whole = Skin::new(&problem, &zero, None, &problem.images());
         // Mirrored faces are turned the wrong way round as lists of corners: count the volume by side.
         let (one, other): (Vec<&Face>, Vec<&Face>) =
             whole.faces.iter().partition(|f| f.vertices.iter().map(|v| v.position[1]).sum::<f64>() > 0.0);

@@ -3,6 +3,7 @@
 
 import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Sphere, Vector3 } from "three";
 import { integers } from "pneuflex/data";
+import { FIELDS } from "pneuflex/legend";
 import { NO_PLANE, colourUniforms, flatMaterial, surfaceMaterial, useMap } from "pneuflex/material";
 import { Section } from "pneuflex/section";
 
@@ -97,11 +98,12 @@ export class Actuator {
 
   useField(field) {
     this.field = field;
-    useMap(this.colours, field);
+    useMap(this.colours, FIELDS[field].map);
     // Contact is a matter of the walls between the chambers: the rest is made of glass, and cut faces have nothing to show.
     const isContact = field === "contactPressure";
     this.colours.glass.value = isContact;
-    for (const { cap, skin } of this.halves) {
+    for (const { cap, skin, sign } of this.halves) {
+      for (const { material } of [cap, skin]) material.uniforms.sign.value = FIELDS[field].isOdd ? sign : 1;
       cap.material.uniforms.plain.value = isContact;
       skin.material.transparent = isContact;
       skin.material.depthWrite = !isContact;
@@ -109,8 +111,10 @@ export class Actuator {
     }
   }
 
-  useTop(top) {
-    this.colours.top.value = top;
+  /** Values at the ends of the colours. */
+  useRange([low, high]) {
+    this.colours.low.value = low;
+    this.colours.top.value = high;
   }
 
   /** Shows both halves or the modelled one, lines of the mesh, the shape at rest. */

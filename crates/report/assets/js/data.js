@@ -18,6 +18,11 @@ export const integers = (base64) => new Uint32Array(bytesOf(base64));
 /** Single-precision numbers. */
 export const floats = (base64) => new Float32Array(bytesOf(base64));
 
+/** Numbers stored as 8-bit multiples of a step. */
+export function coarse({ low, step, data }) {
+  return Float32Array.from(new Uint8Array(bytesOf(data)), (level) => low + step * level);
+}
+
 /** Numbers stored as 16-bit multiples of a step: off by half a step at most. */
 export function quantised({ low, step, data }) {
   return Float32Array.from(new Uint16Array(bytesOf(data)), (level) => low + step * level);

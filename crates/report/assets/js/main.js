@@ -6,6 +6,7 @@
 
 import { readData } from "pneuflex/data";
 import { drawPlots } from "pneuflex/plots";
+import { connectRecorder } from "pneuflex/record";
 import { connectSnapshots } from "pneuflex/snapshot";
 import { hasWebGL } from "pneuflex/stage";
 import { Clock, Transport } from "pneuflex/transport";
@@ -20,6 +21,7 @@ let viewer = null;
 if (data.body && hasWebGL()) {
   viewer = new Viewer(data.body, clock);
   connectSnapshots(viewer, data.title);
+  connectRecorder(viewer, transport, data.title);
 } else if (data.body) {
   document.getElementById("stage").classList.add("empty");
   document.getElementById("no-view").hidden = false;
@@ -54,6 +56,16 @@ window.pneuflex = Object.freeze({
   get legend() {
     return viewer?.marks.slice();
   },
+  /** What the present colours go from and to, and how long the bar of lengths is, mm and pixels. */
+  get colours() {
+    const { low, top } = viewer.actuator.colours;
+    return [low.value, top.value];
+  },
+  get scale() {
+    const { axes } = viewer;
+    return [axes.length, axes.bar.getBoundingClientRect().width];
+  },
+  valueAt: (node) => viewer.states.values[viewer.actuator.field][node],
   get reading() {
     return viewer?.probe.reading();
   },

@@ -27,12 +27,12 @@ export const NO_PLANE = [0, 0, 0, 1];
 export function colourUniforms(slack) {
   const texture = new DataTexture(new Uint8Array(4 * 256), 256, 1);
   texture.magFilter = texture.minFilter = LinearFilter;
-  return { map: { value: texture }, top: { value: 1 }, glass: { value: false }, slack: { value: slack } };
+  return { map: { value: texture }, low: { value: 0 }, top: { value: 1 }, glass: { value: false }, slack: { value: slack } };
 }
 
-/** Chooses the colour map of a field. */
-export function useMap(uniforms, field) {
-  uniforms.map.value.image.data.set(colourBytes(field));
+/** Chooses a colour map. */
+export function useMap(uniforms, map) {
+  uniforms.map.value.image.data.set(colourBytes(map));
   uniforms.map.value.needsUpdate = true;
 }
 
@@ -42,7 +42,7 @@ export function useMap(uniforms, field) {
  */
 export function surfaceMaterial(colours, isCap) {
   return new ShaderMaterial({
-    uniforms: { ...colours, plane: { value: new Vector4(...NO_PLANE) }, plain: { value: false } },
+    uniforms: { ...colours, plane: { value: new Vector4(...NO_PLANE) }, plain: { value: false }, sign: { value: 1 } },
     vertexShader: /* glsl */ `
       ${PASS_REFERENCE}
       attribute float value;
@@ -60,7 +60,9 @@ export function surfaceMaterial(colours, isCap) {
     fragmentShader: /* glsl */ `
       ${CUT}
       uniform sampler2D map;
+      uniform float low;
       uniform float top;
+      uniform float sign;
       uniform bool plain;
       uniform bool glass;
       varying float vValue;
@@ -68,7 +70,7 @@ export function surfaceMaterial(colours, isCap) {
       varying vec3 vView;
       void main() {
         if (beyond()) discard;
-        float share = clamp(vValue / top, 0.0, 1.0);
+        float share = clamp((sign * vValue - low) / (top - low), 0.0, 1.0);
         vec3 colour = plain ? vec3(0.78) : texture2D(map, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
         vec3 n = normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
         vec3 light = normalize(vec3(-0.35, 0.65, 0.7));

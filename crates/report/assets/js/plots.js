@@ -3,6 +3,7 @@
 
 import { fixed, short, tickTexts, ticks } from "pneuflex/format";
 import { Curve } from "pneuflex/interpolation";
+import { fileName, save } from "pneuflex/snapshot";
 
 const SIZE = { width: 360, height: 176, left: 46, right: 14, top: 12, bottom: 34 };
 
@@ -35,11 +36,62 @@ class Plot {
     this.axes(xLabel);
     this.lines();
     this.element = document.createElement("figure");
-    this.element.append(this.caption(), this.drawing);
+    this.element.append(this.caption(), this.drawing, this.buttons());
     this.drawing.addEventListener("pointermove", (event) => this.hover(event));
     this.drawing.addEventListener("pointerleave", () => this.hint.replaceChildren());
     this.drawing.addEventListener("click", (event) => clock.set(clock.snapped(this.timeAt(event))));
-    clock.listen((value) => this.mark(value));
+    /** Follows the time no longer. */
+    this.stop = clock.listen((value) => this.mark(value));
+  }
+
+  /** What saves the plot. */
+  buttons() {
+    const bar = Object.assign(document.createElement("p"), { className: "saves" });
+    const button = (text, title, act) => bar.append(Object.assign(document.createElement("button"), { type: "button", textContent: text, title, onclick: act }));
+    button("CSV", `Save the numbers of “${this.name}”`, () => save(`data:text/csv;charset=utf-8,${encodeURIComponent(this.csv())}`, `${fileName(this.name)}.csv`));
+    button("PNG", `Save “${this.name}” as a picture`, () => this.png().then((address) => save(address, `${fileName(this.name)}.png`)));
+    return bar;
+  }
+
+  /** Headings of the numbers, without the time's. */
+  columns() {
+    const unit = this.unit && ` (${this.unit})`;
+    return this.names.length ? this.names.map((name) => `${this.name}: ${name}${unit}`) : [`${this.name}${unit}`];
+  }
+
+  /** The computed numbers, a row for each state. */
+  csv() {
+    const cell = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const rows = this.clock.computed.map((time, k) => [this.clock.written(time), ...Array.from(this.curve.values[k], String)]);
+    return [[this.clock.label, ...this.columns()].map(cell), ...rows.map((row) => row.map((text) => text.replace("−", "-")))].map((row) => `${row.join(",")}\n`).join("");
+  }
+
+  /** The address of a picture. */
+  async png(zoom = 3) {
+    const copy = this.drawing.cloneNode(true);
+    const [from, to] = [this.drawing, copy].map((root) => [root, ...root.querySelectorAll("*")]);
+    // Styles of the page do not go with it.
+    to.forEach((element, i) => {
+      const style = getComputedStyle(from[i]);
+      for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font-family", "font-size", "font-weight", "text-anchor", "paint-order"]) element.style.setProperty(name, style.getPropertyValue(name));
+    });
+    const { width, height } = this.size;
+    const head = 22;
+    for (const [key, value] of Object.entries({ width, height, xmlns: "http://www.w3.org/2000/svg" })) copy.setAttribute(key, value);
+    const image = new Image();
+    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+    await image.decode();
+    const canvas = Object.assign(document.createElement("canvas"), { width: zoom * width, height: zoom * (height + head) });
+    const draw = canvas.getContext("2d");
+    const style = getComputedStyle(this.element);
+    draw.scale(zoom, zoom);
+    draw.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--sheet");
+    draw.fillRect(0, 0, width, height + head);
+    draw.fillStyle = style.color;
+    draw.font = "600 12px system-ui, sans-serif";
+    draw.fillText([this.name, this.unit].filter(Boolean).join(", "), 8, 16);
+    draw.drawImage(image, 0, head, width, height);
+    return canvas.toDataURL("image/png");
   }
 
   /** All numbers at a time. */
@@ -192,6 +244,11 @@ class Over extends InPlane {
   constructor(labels, ...more) {
     const { name, unit } = labels.over;
     super({ ...labels, xLabel: unit ? `${name}, ${unit}` : name }, ...more);
+    this.over = labels.over;
+  }
+  columns() {
+    const { name, unit } = this.over;
+    return [unit ? `${name} (${unit})` : name, ...super.columns()];
   }
   texts(time) {
     return Array.from(this.at(time).slice(1), (value) => valueText(value, this.unit));
@@ -272,6 +329,48 @@ function drawShape(lines, clock) {
   return new Shape(labels, clock, new Curve(clock.computed, lines.map((line) => Float64Array.from(line.flat()))), range);
 }
 
+/** Everything that a state has a number for: what is plotted, what it is plotted over, and the time itself. */
+function quantities(series, clock) {
+  const found = new Map();
+  const add = (name, unit, values) => found.has(name) || found.set(name, { name, unit, values });
+  for (const { name, unit, over, curves } of series.plots) {
+    for (const curve of curves) add(curve.name ? `${name}: ${curve.name}` : name, unit, curve.values);
+    if (over) add(over.name, over.unit, over.values);
+  }
+  if (series.centrelines) {
+    ["x", "z"].forEach((axis, d) => add(`Tip, ${axis}`, "mm", series.centrelines.map((line) => line[line.length - 1][d])));
+  }
+  const numbers = clock.computed.map((time) => clock.parameter(time));
+  add(clock.name, clock.unit, numbers);
+  return [...found.values()];
+}
+
+/** A plot of any quantity over any other. */
+function ownPlot(series, clock) {
+  const all = quantities(series, clock);
+  if (all.length < 2) return null;
+  const figure = Object.assign(document.createElement("figure"), { className: "own" });
+  const chooser = (id, label, chosen) => {
+    const select = Object.assign(document.createElement("select"), { id });
+    select.setAttribute("aria-label", label);
+    all.forEach(({ name }, i) => select.append(new Option(name, i, false, i === chosen)));
+    return select;
+  };
+  const [x, y] = [chooser("own-x", "Quantity along x", all.length - 1), chooser("own-y", "Quantity along y", 0)];
+  const choice = Object.assign(document.createElement("p"), { className: "choice" });
+  choice.append(y, " over ", x);
+  let plot = null;
+  const show = () => {
+    plot?.stop();
+    const [over, { name, unit, values }] = [all[x.value], all[y.value]];
+    plot = draw({ name, unit, over, curves: [{ values }] }, clock);
+    figure.replaceChildren(choice, ...plot.element.childNodes);
+  };
+  for (const select of [x, y]) select.addEventListener("change", show);
+  show();
+  return figure;
+}
+
 /** Draws all plots into `container`; `series` is the data's. */
 export function drawPlots(container, series, clock) {
   if (clock.computed.length < 2) {
@@ -280,5 +379,6 @@ export function drawPlots(container, series, clock) {
   }
   const plots = series.plots.map((plot) => draw(plot, clock));
   if (series.centrelines) plots.splice(1, 0, drawShape(series.centrelines, clock));
-  container.append(...plots.map((plot) => plot.element));
+  const own = ownPlot(series, clock);
+  container.append(...plots.map((plot) => plot.element), ...(own ? [own] : []));
 }

@@ -112,8 +112,9 @@ export class Probe {
 
   /** Keeps the marker's size on the screen. */
   scale() {
-    const distance = this.stage.camera.position.distanceTo(this.marker.position);
-    this.marker.scale.setScalar(distance * 0.0032);
+    const { camera } = this.stage;
+    const distance = camera.position.distanceTo(this.marker.position);
+    this.marker.scale.setScalar(distance * 0.015 * Math.tan((camera.fov * Math.PI) / 360));
   }
 }
 

@@ -18,13 +18,18 @@ import {
 import { floats, readData } from "pneuflex/data";
 import { Stage, hasWebGL } from "pneuflex/stage";
 
-/** Colours that colour-blind people can tell apart (Okabe & Ito 2008); further parts begin again. */
+/** Colours that colour-blind people can tell apart (Okabe & Ito 2008). */
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5195", "#8a6d00"];
 
 /** Diameter of the dots of nodes, pixels. */
 const DOT = 5;
 
-const colourOf = (number) => COLOURS[number % COLOURS.length];
+/** Further parts have hues far from each other's, light and dark by turns, so that no two are alike. */
+const colourOf = (number) => {
+  if (number < COLOURS.length) return COLOURS[number];
+  const hue = Math.round((137.508 * number + 60) % 360);
+  return `hsl(${hue}, ${number % 2 ? 70 : 55}%, ${[38, 62, 50][number % 3]}%)`;
+};
 
 function geometry(positions) {
   const found = new BufferGeometry();

@@ -3,7 +3,9 @@
 import { PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/orbit-controls";
 
+/** Of the eye, degrees; from so far away that its rays are parallel but for a pixel. */
 const FIELD_OF_VIEW = 24;
+const PARALLEL = 0.1;
 
 /** Directions from the actuator to the eye; it is clamped at x = 0, its tip points along x, up is z. */
 export const VIEWS = {
@@ -59,6 +61,11 @@ export class Stage {
   render() {
     cancelAnimationFrame(this.requested);
     this.requested = 0;
+    if (this.isParallel) {
+      const distance = this.camera.position.distanceTo(this.controls.target);
+      [this.camera.near, this.camera.far] = [Math.max(distance - this.around, distance / 50), distance + this.around];
+      this.camera.updateProjectionMatrix();
+    }
     this.renderer.render(this.scene, this.camera);
     this.afterRender();
   }
@@ -66,6 +73,11 @@ export class Stage {
   /** Turns the eye to a named view, with everything in sight. */
   look(view, smoothly = true) {
     this.view = view;
+    // Straight views have no perspective: they can be laid over photos.
+    const wasParallel = this.isParallel;
+    this.isParallel = view !== "iso";
+    this.camera.fov = this.isParallel ? PARALLEL : FIELD_OF_VIEW;
+    if (this.isParallel !== wasParallel) smoothly = false;
     const { position, target } = this.fitted(VIEWS[view].clone().normalize());
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.moveTo(position, target, smoothly && !still ? 350 : 0);
@@ -85,7 +97,7 @@ export class Stage {
     }
     const target = new Vector3();
     axes.forEach((axis, d) => target.addScaledVector(axis, (low[d] + high[d]) / 2));
-    const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const slope = Math.tan((this.camera.fov * Math.PI) / 360);
     // Room for the legend above, the hint below, and a little air beside it.
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     const [above, below, beside] = width < 600 ? [118, 44, 14] : [92, 44, 40];
@@ -93,8 +105,11 @@ export class Stage {
     const size = Math.max((high[1] - low[1]) * share(height, above + below), ((high[0] - low[0]) / this.camera.aspect) * share(width, 2 * beside));
     const distance = size / slope + (high[2] - low[2]) / 2;
     target.addScaledVector(up, ((above - below) / height) * size);
-    this.camera.near = distance / 50;
-    this.camera.far = distance * 20;
+    // Depths are told apart only around the body.
+    const around = 20 * (size + high[2] - low[2]);
+    this.camera.near = Math.max(distance / 50, distance - around);
+    this.camera.far = this.isParallel ? distance + around : distance * 20;
+    this.around = around;
     this.camera.updateProjectionMatrix();
     return { position: target.clone().addScaledVector(direction, distance), target };
   }

@@ -1,7 +1,11 @@
 // The fields at the nodes for any time between rest and the last computed one. Positions are relative to `origin`.
 
-import { floats, quantised } from "pneuflex/data";
+import { coarse, floats, quantised } from "pneuflex/data";
 import { Curve } from "pneuflex/interpolation";
+import { FIELDS } from "pneuflex/legend";
+
+/** Of fields without a typical largest value of their own, shares of the nodes that lie below and above the range. */
+const TAIL = 0.005;
 
 export class States {
   /** @param body `body` of the page's data */
@@ -32,6 +36,10 @@ export class States {
       displacement: [0, ...known.map((state) => largest(lengths(state.displacement)))],
       contactPressure: [0, ...body.states.map((state) => state.typical.contact_pressure)],
     };
+    /** The rest of the data, by state, and ranges by field, as far as they are needed. */
+    this.more = body.states;
+    this.ranges = {};
+    this.isMirrored = body.mirrored;
     this.displacement = new Float32Array(3 * count);
     this.position = Float32Array.from(this.nodes);
     this.values = {
@@ -48,12 +56,55 @@ export class States {
     this.curves.vonMises.evaluate(time, this.values.vonMises);
     this.curves.contactPressure.evaluate(time, this.values.contactPressure);
     lengths(this.displacement, this.values.displacement);
+    for (const field of Object.keys(this.ranges)) this.curves[field].evaluate(time, this.values[field]);
   }
 
-  /** The typical largest value of a field at a time. */
+  /** Makes a field ready whose values are not kept from the beginning. */
+  prepare(field) {
+    if (this.values[field]) return;
+    const count = this.nodes.length / 3;
+    const { index } = FIELDS[field];
+    let known;
+    if (field === "stretch") known = this.more.map(({ stretch }) => coarse(stretch));
+    else if (field === "pressure") {
+      known = this.more.map(({ stress }) => {
+        const [x, y, z] = stress.slice(0, 3).map(coarse);
+        return x.map((xx, i) => -(xx + y[i] + z[i]) / 3);
+      });
+    } else if (field.startsWith("u")) {
+      known = this.curves.displacement.values.slice(1).map((u) => Float32Array.from({ length: count }, (_, i) => u[3 * i + index]));
+    } else known = this.more.map(({ stress }) => coarse(stress[index]));
+    const rest = field === "stretch" ? 1 : 0;
+    this.curves[field] = new Curve(this.times, [new Float32Array(count).fill(rest), ...known]);
+    const isOdd = FIELDS[field].isOdd && this.isMirrored;
+    this.ranges[field] = [[rest, rest], ...known.map((values) => range(values, isOdd))];
+    this.values[field] = new Float32Array(count);
+  }
+
+  /** The typical least and largest value of a field at a time. */
   typicalAt(field, time) {
-    const curve = new Curve(this.times, this.typical[field].map((x) => Float64Array.of(x)));
-    return curve.evaluate(time, new Float64Array(1))[0];
+    const curve = new Curve(this.times, this.rangesOf(field).map((range) => Float64Array.from(range)));
+    return Array.from(curve.evaluate(time, new Float64Array(2)));
+  }
+
+  /** The same over all times. */
+  typicalOf(field) {
+    const all = this.rangesOf(field);
+    return [Math.min(...all.map(([low]) => low)), Math.max(...all.map(([, high]) => high))];
+  }
+
+  rangesOf(field) {
+    return this.ranges[field] ?? this.typical[field].map((top) => [0, top]);
+  }
+
+  /** The least and the largest value of a field now. */
+  extremes(field) {
+    let [low, high] = [Infinity, -Infinity];
+    for (const x of this.values[field]) {
+      if (x < low) low = x;
+      if (x > high) high = x;
+    }
+    return FIELDS[field].isOdd && this.isMirrored ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
   }
 
   /** The coordinates of a node in `positions` (the body's at rest or now) as they are in space, mm. */
@@ -65,6 +116,14 @@ export class States {
   placesOf(node) {
     return this.curves.displacement.values.map((u) => [0, 1, 2].map((d) => this.nodes[3 * node + d] + u[3 * node + d]));
   }
+}
+
+/** What all but a few of the values lie in; symmetric where the field has the opposite sign elsewhere. */
+function range(values, isOdd) {
+  const sorted = Float32Array.from(values).sort();
+  const at = (share) => sorted[Math.round(share * (sorted.length - 1))];
+  const [low, high] = [at(TAIL), at(1 - TAIL)];
+  return isOdd ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
 }
 
 function bounds(points) {

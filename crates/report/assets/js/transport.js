@@ -52,10 +52,11 @@ export class Clock {
     return this.unit ? `${this.written(value)} ${this.unit}` : `${this.name} ${this.written(value)}`;
   }
 
-  /** Calls `listener` with the time now and whenever it changes. */
+  /** Calls `listener` with the time now and whenever it changes, until the function that is returned is called. */
   listen(listener) {
     this.listeners.push(listener);
     listener(this.value);
+    return () => (this.listeners = this.listeners.filter((other) => other !== listener));
   }
 
   set(value) {
@@ -164,8 +165,8 @@ export class Transport {
     this.keyNumbers.textContent = this.numbers.map((text) => text(value)).join(" · ");
   }
 
-  /** To the end and back, until stopped; `once`: there, and no further. */
-  play(once = false) {
+  /** To the end and back, until stopped; `once`: there, and no further, and then `done`. */
+  play(once = false, done = () => {}) {
     this.stop();
     const { highest, value } = this.clock;
     // Where on the wave the present time is.
@@ -173,7 +174,10 @@ export class Transport {
     const began = performance.now();
     const step = (now) => {
       const angle = phase + ((now - began) / 1000 / SWEEP) * Math.PI * (once ? 1.6 : 1);
-      if (once && angle >= Math.PI) return this.choose(highest);
+      if (once && angle >= Math.PI) {
+        this.choose(highest);
+        return done();
+      }
       this.clock.set((highest * (1 - Math.cos(angle))) / 2);
       this.playing = requestAnimationFrame(step);
     };

@@ -3,11 +3,12 @@
 import { Box3, Vector3 } from "three";
 import { Actuator } from "pneuflex/actuator";
 import { decimalsFor, fixed } from "pneuflex/format";
-import { FIELDS, Legend, legendTicks } from "pneuflex/legend";
+import { Axes } from "pneuflex/axes";
+import { FIELDS, Legend, evenMarks, legendTicks } from "pneuflex/legend";
 import { Obstacles } from "pneuflex/obstacles";
 import { Probe } from "pneuflex/probe";
 import { Stage } from "pneuflex/stage";
-import { States, largest } from "pneuflex/states";
+import { States } from "pneuflex/states";
 
 /** How far from the body, relative to its size, obstacles are in sight. */
 const NEAR = 0.6;
@@ -25,8 +26,10 @@ export class Viewer {
     this.legend = new Legend(byId("legend"));
     this.probe = new Probe(byId("probe"), this.stage, this.actuator, body);
     const renderOnly = this.stage.render.bind(this.stage);
+    this.axes = new Axes(byId("axes"), this.stage);
     this.stage.render = () => {
       this.probe.scale();
+      this.axes.update();
       renderOnly();
     };
     this.connect();
@@ -40,9 +43,11 @@ export class Viewer {
     const on = (id, event, act) => byId(id)?.addEventListener(event, act);
     byId("options").addEventListener("change", (event) => {
       if (event.target.name === "field") this.useField(event.target.value);
+      if (event.target.id === "more-fields" && event.target.value) this.useField(event.target.value);
       if (event.target.name === "section") this.chooseAxis(event.target.value);
     });
     on("fit", "change", () => this.showLegend());
+    for (const id of ["low", "high"]) on(id, "input", () => this.showLegend());
     for (const id of ["whole", "obstacles", "ghost", "mesh"]) on(id, "change", () => this.showParts());
     on("cut", "input", () => this.cut());
     on("flip", "click", () => {
@@ -70,18 +75,36 @@ export class Viewer {
   }
 
   useField(field) {
+    this.states.prepare(field);
     this.actuator.useField(field);
+    const radio = document.querySelector(`input[name=field][value=${field}]`);
+    document.querySelectorAll("input[name=field]").forEach((input) => (input.checked = input === radio));
+    byId("more-fields").value = radio ? "" : field;
+    // A range by hand is one of a field.
+    byId("low").value = byId("high").value = "";
     this.showTime(this.clock.value);
   }
 
-  /** The range in the field's stored unit. */
+  /** The range by hand, in the shown unit; null if there is none. */
+  ownRange() {
+    const ends = ["low", "high"].map((id) => (byId(id).value.trim() === "" ? NaN : Number(byId(id).value)));
+    const isWanted = ends.some((end) => !Number.isNaN(end));
+    const isRange = ends[0] < ends[1];
+    for (const id of ["low", "high"]) byId(id).toggleAttribute("aria-invalid", isWanted && !isRange);
+    return isRange ? ends : null;
+  }
+
   showLegend() {
     const { field } = this.actuator;
-    const { scale } = FIELDS[field];
-    const typical = byId("fit").checked ? this.states.typicalAt(field, this.clock.value) : largest(this.states.typical[field]);
-    this.marks = legendTicks(scale * typical);
-    this.actuator.useTop(this.marks[this.marks.length - 1] / scale);
-    this.legend.show(field, this.marks, scale * largest(this.states.values[field]));
+    const { scale, map } = FIELDS[field];
+    const own = this.ownRange();
+    const typical = byId("fit").checked ? this.states.typicalAt(field, this.clock.value) : this.states.typicalOf(field);
+    // Of both signs, zero is light.
+    const most = Math.max(...typical.map(Math.abs));
+    const range = map === "signed" ? [-most, most] : typical;
+    this.marks = own ? evenMarks(own) : legendTicks(range.map((x) => scale * x));
+    this.actuator.useRange([this.marks[0], this.marks[this.marks.length - 1]].map((x) => x / scale));
+    this.legend.show(field, this.marks, this.states.extremes(field).map((x) => scale * x));
     this.stage.requestRender();
   }
 
