@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 22] = [
+const ARROWS: [(&str, &[&str]); 23] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
@@ -24,11 +24,12 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("deck", &["mesh", "model"]),
     ("pneuflex", &["calibration", "deck", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("sweep", &["pneuflex"]),
-    ("cli", &["pneuflex", "sweep"]),
+    ("inverse", &["pneuflex", "sweep"]),
+    ("cli", &["pneuflex", "sweep", "inverse"]),
     ("python", &["pneuflex", "sweep"]),
     ("benches", &["pneuflex"]),
     ("verification", &["mesh", "model", "laws", "contact", "assembly", "factor", "newton", "post", "pneuflex"]),
-    ("xtask", &["pneuflex", "verification"]),
+    ("xtask", &["pneuflex", "inverse", "verification"]),
 ];
 
 /// What the crates of single laws may use. Only `laws` may use them.

@@ -1,9 +1,10 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`check_gradient`], [`converge`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
+//! * [`check`], [`check_gradient`], [`converge`], [`design`], [`find`], [`fit`], [`identify`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
 //!   [`table`], [`view`]: the commands;
 //!   [`completions`], [`man`]: those about the program itself.
+//! * [`search`]: what is said of every design of a search.
 //! * [`error`], [`outcome`], [`progress`], [`terminal`]: messages, exit codes, progress, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //!
@@ -16,10 +17,12 @@ mod check;
 mod check_gradient;
 mod completions;
 mod converge;
+mod design;
 mod error;
 mod examples;
 mod find;
 mod fit;
+mod identify;
 mod interrupt;
 mod man;
 mod materials;
@@ -30,6 +33,7 @@ mod picture;
 mod progress;
 mod rod;
 mod run;
+mod search;
 mod sweep;
 mod table;
 mod terminal;
@@ -56,6 +60,8 @@ fn main() -> ExitCode {
         Command::View(arguments) => view::view(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
         Command::CheckGradient(arguments) => check_gradient::check_gradient(&arguments),
+        Command::Design(arguments) => design::design(&arguments),
+        Command::Identify(arguments) => identify::identify(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),

@@ -196,6 +196,11 @@ fn sweeps() {
 }
 
 #[test]
+fn design() {
+    works("design.md");
+}
+
+#[test]
 fn rod() {
     works("rod.md");
 }

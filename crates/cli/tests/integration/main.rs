@@ -25,6 +25,7 @@ mod obstacles;
 mod parts;
 mod rod;
 mod runs;
+mod searches;
 mod stops;
 mod support;
 mod sweeps;
