@@ -47,8 +47,8 @@ use crate::folder::{GRADIENTS, OutputFolder};
 use crate::input_error::InputError;
 use crate::json;
 
-/// Slopes by the positions of the nodes are worth while for so many results by a length.
-const RESULTS_PER_LENGTH: usize = 4;
+/// Slopes by the positions of the nodes are worth while for so many results by a length: one takes as long as two to three residuals.
+const RESULTS_PER_LENGTH: usize = 2;
 
 /// What is asked for: `COLUMN` or `COLUMN@PRESSURE`, e.g. `end_face_angle@35`.
 #[derive(Clone, Debug, PartialEq)]

@@ -89,7 +89,8 @@ fn derivatives_of_linear_elements_are_those_of_differences() {
 fn lengths_count_by_their_nodes() {
     for element in ["hex8-sri", "tet15"] {
         let analysis = touching(element, "9");
-        let keys = ["actuator.side_wall", "actuator.base", "actuator.cavity_length[1]"].map(str::to_owned);
+        let lengths = ["side_wall", "top_wall", "base", "gap", "cavity_length[1]"];
+        let keys = lengths.map(|length| format!("actuator.{length}"));
         let state = analysis.solve().unwrap().fields.pop().unwrap();
         let [by_nodes, plain] =
             [true, false].map(|by_nodes| analysis.gradients_at(&state, &OF_CASE, Some(&keys), by_nodes).unwrap());
@@ -274,4 +275,33 @@ fn volume_and_mass_of_the_silicone_depend_on_lengths_and_density_alone() {
     assert!((by(&found[1], "material.density") / (1e-3 * volume) - 1.0).abs() < 1e-9, "{found:?}");
     assert!((by(&found[1], "actuator.base") / by(&found[0], "actuator.base") - 1.08e-3).abs() < 1e-12);
     assert!(by(&found[1], "material.c10").abs() < 1e-12);
+}
+
+/// Two bricks of a deck, glued at faces that share no nodes.
+#[test]
+fn derivatives_pass_through_glued_surfaces() {
+    let brick = |first: u32, low: f64, size: f64| {
+        let at = |i: u32| [i.div_ceil(2) % 2, i / 2 % 2, i / 4].map(f64::from);
+        let node = |i: u32| {
+            let [x, y, z] = at(i);
+            format!("{}, {}, {}, {}\n", first + i, size * x, size * y, low + z)
+        };
+        let nodes: String = (0..8).map(node).collect();
+        let numbers: Vec<String> = (0..8).map(|i| (first + i).to_string()).collect();
+        format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=BODY\n{first}, {}\n", numbers.join(", "))
+    };
+    let sets = "*NSET, NSET=FOOT\n1, 2, 3, 4\n*SURFACE, NAME=UNDER\n1, S2\n*SURFACE, NAME=OVER\n9, S1\n*SURFACE, NAME=HEAD\n9, S2\n\
+                *TIE, NAME=GLUE, ADJUST=NO\nOVER, UNDER\n*MATERIAL, NAME=M\n*HYPERELASTIC, NEO HOOKE\n0.2, 0.1\n\
+                *SOLID SECTION, ELSET=BODY, MATERIAL=M\n*STEP, NLGEOM\n*STATIC\n*END STEP\n";
+    let deck = [brick(1, 0.0, 1.0), brick(9, 1.0, 0.8), sets.to_owned()].concat();
+    let model = "[model]\nfile = \"two.inp\"\n[material]\nlaw = \"neo-hooke\"\nc10 = 0.3\nbulk_modulus = 20.0\n[load]\ntimes = [1.0]\n\
+                 [[support]]\nnodes = \"FOOT\"\naxes = \"xyz\"\n[[traction]]\nfaces = \"HEAD\"\ntraction_mpa = [0.03, 0.0, 0.05]\n\
+                 [[probe]]\nname = \"end\"\nat = [0.8, 0.8, 2.0]\n";
+    let files = [("two.toml", model.to_owned()), ("two.inp", deck)];
+    let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let analysis = Study::from_files("two.toml", files).unwrap().build().unwrap();
+    // What is glued follows by equations.
+    assert!(!analysis.problem.equations.is_empty());
+    let state = compare(&analysis, &["probe.end.x", "strain_energy"], &["material.c10", "traction[0].traction_mpa.x"]);
+    assert!(state.probes["end"][0] > 0.01, "{state:?}");
 }
