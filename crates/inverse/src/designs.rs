@@ -51,6 +51,11 @@ impl Designs {
         let given = setup.variables.iter().filter_map(|variable| Some(variable.changes(variable.start?)));
         let mut changes: Design = given.flatten().collect();
         let first = setup.base.study(&changes)?;
+        if first.case().is_none() && first.model().is_none() {
+            let help = "write a model file around the deck: [model] with file = \"...\"".to_owned();
+            let error = InputError::about_file(&setup.base.path, "a deck has no keys that could be looked for");
+            return Err(error.with_help(Some(help)).into());
+        }
         changes.extend(positions(&first, &setup.positions));
         let study = setup.base.study(&changes)?;
         let analysis = study.build_within(setup.limit)?;
@@ -76,7 +81,10 @@ impl Designs {
         }
         analysis.check_gradients(&setup.requests)?;
         let origin = identity::of_study(&study, &identity::content(&study), false)?;
-        Ok(Self { setup, start, origin, stop: stop.clone(), last: None })
+        let designs = Self { setup, start, origin, stop: stop.clone(), last: None };
+        // Not every number by which there are derivatives can be set.
+        designs.analysis(&designs.start)?;
+        Ok(designs)
     }
 
     /// The variables.

@@ -11,10 +11,11 @@
 //! | [`minimise`], [`quadratic`] | Gauss-Newton steps and SQP in a trust region; the programme of a step |
 //! | [`search`] | a search from its file to its folder |
 //! | [`measurements`], [`identify`] | constants and lengths from measurements, with their confidence intervals |
-//! | [`curve`], [`design`] | designs from targets, extremes and limits |
+//! | [`curve`], [`design`], `design_file` | designs from targets, extremes and limits |
 
 pub mod curve;
 pub mod design;
+mod design_file;
 pub mod designs;
 pub mod history;
 pub mod identify;

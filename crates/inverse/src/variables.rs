@@ -56,6 +56,12 @@ pub fn variables(table: &Node) -> Result<Vec<Variable>, Vec<CaseError>> {
     if wrong.is_empty() { Ok(found) } else { Err(wrong) }
 }
 
+/// The variable of a name or a key.
+pub fn find(variables: &[Variable], name: &str) -> Option<usize> {
+    let is_it = |variable: &Variable| variable.name == name || variable.keys.iter().any(|key| key == name);
+    variables.iter().position(is_it)
+}
+
 fn problem(name: &str, value: String, allowed: &str) -> CaseError {
     CaseError { key: format!("variables.{name}"), value, allowed: allowed.to_owned() }
 }

@@ -85,6 +85,7 @@ fn bad_input_is_refused_before_anything_is_solved() {
     let scratch = measured("identify-bad");
     let text = fs::read_to_string(scratch.path("piece.toml")).unwrap();
     let data = fs::read_to_string(scratch.path("piece.csv")).unwrap();
+    fs::write(scratch.path("bar.inp"), "*NODE\n").unwrap();
     for (from, to, words) in [
         ("from = 0.1", "from = 2", "bad.toml:7:1: variables.material.c10"),
         ("to = 1 }", "to = 1, start = 3 }", "must start between its bounds"),
@@ -96,6 +97,7 @@ fn bad_input_is_refused_before_anything_is_solved() {
         ("data =", "noise.angle = 1\ndata =", "noise.angle"),
         ("data =", "columns = [\"tip.y\"]\ndata =", "no column is called \"tip.y\""),
         ("data =", "solutions = 0\ndata =", "must be a whole number"),
+        ("case.toml", "bar.inp", "a deck has no keys"),
     ] {
         fs::write(scratch.path("bad.toml"), text.replacen(from, to, 1)).unwrap();
         let ended = scratch.run(&["identify", "bad.toml"]);
