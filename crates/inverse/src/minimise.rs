@@ -20,6 +20,9 @@ const LEAST_GAIN: f64 = 1e-6;
 /// or of what there was at the beginning.
 const LEAST_SHARE: f64 = 1e-12;
 
+/// A trust region narrower than this has become so because steps did not keep what they promised.
+const CRAMPED: f64 = 1e-2;
+
 /// Violations of limits up to this, in their scales, are none.
 pub const TOLERANCE: f64 = 1e-4;
 
@@ -211,7 +214,9 @@ pub fn minimise<J: Judge>(space: &Space, judge: &mut J) -> Result<Option<Found>,
         let merit = present.merit(penalty);
         let reach = p.amax();
         if reach < LEAST_STEP || gain <= LEAST_GAIN * merit.abs() || gain <= LEAST_SHARE * at_first {
-            break if region < LEAST_STEP { Why::NoDescent } else { Why::Converged };
+            // A step that is kept this short promises little in any case.
+            let is_cramped = region < CRAMPED && reach > 0.99 * region;
+            break if is_cramped || region < LEAST_STEP { Why::NoDescent } else { Why::Converged };
         }
         if number == space.most {
             break Why::Enough;
@@ -320,6 +325,26 @@ mod tests {
         assert!((found.values[0] - 0.9).abs() < 1e-2, "{found:?}");
         let enough = search(&Space { most: 3, ..space }, |x| Some(rosenbrock(x)));
         assert_eq!((enough.why, enough.tried), (Why::Enough, 3));
+    }
+
+    /// Beside the first design everything is worse than its slope says, as where the number of elements changes.
+    #[test]
+    fn a_search_that_is_stuck_has_not_converged() {
+        let space = Space { start: vec![0.5], bounds: vec![[0.0, 2.0]], scales: vec![1.0], most: 60 };
+        let (limits, limit_slopes) = none(1);
+        let found = search(&space, |x| {
+            let jump = if x[0] == 0.5 { 0.0 } else { 0.4 };
+            Some(Judged {
+                residuals: DVector::from_vec(vec![1.0 - x[0] + jump, 10.0]),
+                jacobian: DMatrix::from_row_slice(2, 1, &[-1.0, 0.0]),
+                extreme: 0.0,
+                extreme_slope: DVector::zeros(1),
+                limits: limits.clone(),
+                limit_slopes: limit_slopes.clone(),
+                is_met: false,
+            })
+        });
+        assert_eq!((found.why, found.values[0]), (Why::NoDescent, 0.5), "{found:?}");
     }
 
     /// The problem of Hock and Schittkowski no. 71: min x₀x₃(x₀ + x₁ + x₂) + x₂ under x₀x₁x₂x₃ ≥ 25, Σx² ≤ 40, 1 ≤ x ≤ 5. They ask for
