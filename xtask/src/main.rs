@@ -10,6 +10,7 @@ mod decks;
 mod estimates;
 mod fuzz;
 mod gradients;
+mod identify;
 mod kills;
 mod obstacles;
 mod program;
@@ -43,6 +44,8 @@ tasks:
   fuzz      damaged inputs of every reader, in this process: none may panic or take long; writes those that do into target/fuzz
             [--draws N] [--seed S] [--docs]
   gradients exact derivatives of results against differences of whole runs, as a table; fails where they are apart
+  identify  lengths and constants from the shapes that they give, and how often 95 % intervals cover them where there is noise
+            [--draws N] [--only recovery|coverage]
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S] [--docs]
   obstacles iterations where an obstacle moves and where supports do, by shape, element, stiffness and size
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Some("estimates") => estimates::run(&arguments[1..]),
         Some("fuzz") => fuzz::run(&arguments[1..]),
         Some("gradients") if rest.is_empty() => gradients::run(),
+        Some("identify") => identify::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),
         Some("obstacles") if rest.is_empty() => obstacles::run(),
         Some("relations") => relations::run(&arguments[1..]),

@@ -25,11 +25,12 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("deck", &["mesh", "model"]),
     ("pneuflex", &["calibration", "deck", "export", "mesh", "model", "newton", "plot", "post", "report", "rod"]),
     ("sweep", &["pneuflex"]),
-    ("cli", &["pneuflex", "sweep"]),
+    ("inverse", &["pneuflex", "sweep"]),
+    ("cli", &["pneuflex", "sweep", "inverse"]),
     ("python", &["pneuflex", "sweep"]),
     ("benches", &["pneuflex"]),
     ("verification", &["mesh", "model", "laws", "contact", "assembly", "factor", "newton", "post", "pneuflex"]),
-    ("xtask", &["pneuflex", "verification"]),
+    ("xtask", &["pneuflex", "inverse", "verification"]),
 ];
 
 /// What the crates of single laws may use. Only `laws` may use them.

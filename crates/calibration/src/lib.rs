@@ -25,7 +25,7 @@ pub mod law;
 pub mod library;
 mod ogden;
 pub mod range;
-mod regression;
+pub mod regression;
 mod slack;
 pub mod stability;
 pub mod test_name;

@@ -69,6 +69,12 @@ pub enum Command {
     /// Compare derivatives of a result with differences of whole runs
     #[command(after_help = examples::CHECK_GRADIENT)]
     CheckGradient(CheckGradientArguments),
+    /// Find the design that comes nearest to targets, or is best within limits
+    #[command(after_help = examples::DESIGN)]
+    Design(SearchArguments),
+    /// Find constants and lengths from measurements, with their confidence intervals
+    #[command(after_help = examples::IDENTIFY)]
+    Identify(SearchArguments),
     /// Print the numbers of results, one row per pressure, several runs side by side
     #[command(after_help = examples::TABLE)]
     Table(TableArguments),
@@ -213,6 +219,26 @@ pub struct CheckGradientArguments {
     #[arg(long, value_name = "KEY")]
     pub by: Vec<String>,
     /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
+}
+
+/// Arguments of `pneuflex identify` and `pneuflex design`.
+#[derive(Debug, Args)]
+pub struct SearchArguments {
+    /// File that says what is looked for (TOML)
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Change a key of all designs; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Folder for history.json, case.toml and what was found [default: out/NAME for the file NAME.toml]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on with the search that the folder holds: designs that were solved are not solved again
+    #[arg(long)]
+    pub resume: bool,
+    /// How designs are solved.
     #[command(flatten)]
     pub solve: SolveArguments,
 }

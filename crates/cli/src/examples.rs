@@ -108,6 +108,41 @@ far as the states at the case's pressures show. Nothing is written.
 
 Exit codes: 0 found, 2 bad input, 3 never reached, 130 interrupted.";
 
+/// Of `pneuflex design`.
+pub const DESIGN: &str = "\
+Examples:
+  pneuflex design hook.toml
+  pneuflex design hook.toml --resume                      goes on after Ctrl-C or a kill
+
+A file that looks for two lengths, for an angle at the least mass:
+  case = \"finger.toml\"
+  [variables]
+  \"actuator.top_wall\" = { from = 0.8, to = 2.5 }
+  \"actuator.base\" = { from = 2.5, to = 4 }
+  [[extreme]]
+  least = \"silicone_volume\"
+  [[limit]]
+  result = \"end_face_angle\"
+  at = 40
+  at_least = 45
+
+Exit codes: 0 targets met and limits held, 1 an output could not be written, 2 bad input (nothing written), 3 not met, or not converged, 130 interrupted.";
+
+/// Of `pneuflex identify`.
+pub const IDENTIFY: &str = "\
+Examples:
+  pneuflex identify bent.toml
+  pneuflex identify bent.toml --resume                    goes on after Ctrl-C or a kill
+
+A file that fits a constant and a wall to what was measured:
+  case = \"finger.toml\"
+  data = \"bent.csv\"                 # pressure_kpa,end_face_angle_deg,tip.z_mm and a row per pressure
+  [variables]
+  \"material.c10\" = { from = 0.1, to = 0.6 }
+  \"actuator.top_wall\" = { from = 0.8, to = 1.6 }
+
+Exit codes: 0 found, 1 an output could not be written, 2 bad input (nothing written), 3 the search ended before it came to an end, 130 interrupted.";
+
 /// Of `pneuflex table`.
 pub const TABLE: &str = "\
 Examples:

@@ -1,9 +1,9 @@
 //! The `pneuflex` command line program: arguments, progress, messages and exit codes.
 //!
 //! * [`args`], [`examples`]: the command line and its help.
-//! * [`check`], [`check_gradient`], [`compare`], [`converge`], [`export`], [`find`], [`fit`], [`materials`], [`mesh`], [`new`], [`picture`], [`run`], [`rod`], [`sweep`],
-//!   [`table`], [`view`]: the commands;
-//!   [`completions`], [`man`]: those about the program itself.
+//! * [`check`], [`check_gradient`], [`compare`], [`converge`], [`design`], [`export`], [`find`], [`fit`], [`identify`], [`materials`], [`mesh`], [`new`],
+//!   [`picture`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands; [`completions`], [`man`]: those about the program itself.
+//! * [`search`]: what is said of every design of a search.
 //! * [`error`], [`outcome`], [`progress`], [`run_table`], [`terminal`]: messages, exit codes, progress, what a run found, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
 //!
@@ -17,11 +17,13 @@ mod check_gradient;
 mod compare;
 mod completions;
 mod converge;
+mod design;
 mod error;
 mod examples;
 mod export;
 mod find;
 mod fit;
+mod identify;
 mod interrupt;
 mod man;
 mod materials;
@@ -33,6 +35,7 @@ mod progress;
 mod rod;
 mod run;
 mod run_table;
+mod search;
 mod sweep;
 mod table;
 mod terminal;
@@ -61,6 +64,8 @@ fn main() -> ExitCode {
         Command::Export(arguments) => export::export(&arguments).map(|()| Outcome::Converged),
         Command::Find(arguments) => find::find(&arguments),
         Command::CheckGradient(arguments) => check_gradient::check_gradient(&arguments),
+        Command::Design(arguments) => design::design(&arguments),
+        Command::Identify(arguments) => identify::identify(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),

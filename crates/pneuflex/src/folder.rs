@@ -22,8 +22,28 @@ pub const CASE_MARK: &str = "# pneuflex";
 
 /// The files of a run besides its fields, but `case.toml`, which stays until it is replaced: by it the folder is known as ours, even after
 /// a kill in between.
-const RESULTS: [&str; 8] =
-    ["summary.json", "history.jsonl", "checkpoint.bin", GRADIENTS, COMPARISON, COMPARISON_PICTURE, PICTURE, REPORT];
+const RESULTS: [&str; 11] = [
+    "summary.json",
+    "history.jsonl",
+    "checkpoint.bin",
+    GRADIENTS,
+    COMPARISON,
+    COMPARISON_PICTURE,
+    ROUNDS,
+    IDENTIFIED,
+    DESIGNED,
+    PICTURE,
+    REPORT,
+];
+
+/// File of the designs that a search has solved.
+pub const ROUNDS: &str = "history.json";
+
+/// File of what a design was found to be.
+pub const DESIGNED: &str = "designed.json";
+
+/// File of what was identified from measurements.
+pub const IDENTIFIED: &str = "identified.json";
 
 /// File of the derivatives of results.
 pub const GRADIENTS: &str = "gradients.json";

@@ -160,17 +160,10 @@ impl<'a> Recorder<'a> {
             unknowns: problem.num_unknowns(),
             element: problem.element_names(),
         };
-        let resolved = analysis.resolved().map_err(|e| ResultsError::not_representable("case.toml", e))?;
         folder.remove_partial_files()?;
         // It shows what the run goes beyond now.
         folder.remove(REPORT)?;
-        let version = env!("CARGO_PKG_VERSION");
-        let header = format!("{CASE_MARK} {version}: the case as it was solved, with every default\n\n");
-        folder.write("case.toml", header + &resolved)?;
-        let files = analysis.files().map_err(|e| ResultsError::not_representable("input", e))?;
-        if let Some(files) = files {
-            store_input(&folder, &files)?;
-        }
+        write_case(&folder, analysis)?;
         let history = folder.append(HISTORY, recorded.history_bytes)?;
         let length = history.metadata().map_err(|e| folder.cannot_write(HISTORY, e))?.len();
         let mut recorder = Self {
@@ -400,6 +393,19 @@ impl Observer for Recorder<'_> {
         let on_the_way = self.states_on_the_way(end)?;
         self.write_summary(Some(&self.ending(end, on_the_way)))
     }
+}
+
+/// Writes the case as it is solved, with every default, and the files of its body, into a folder: as `case.toml` it can be solved again from there.
+///
+/// # Errors
+/// A file that cannot be written; values that have no form in it.
+pub fn write_case(folder: &OutputFolder, analysis: &Analysis) -> Result<(), ResultsError> {
+    let resolved = analysis.resolved().map_err(|e| ResultsError::not_representable("case.toml", e))?;
+    let version = env!("CARGO_PKG_VERSION");
+    let header = format!("{CASE_MARK} {version}: the case as it was solved, with every default\n\n");
+    folder.write("case.toml", header + &resolved)?;
+    let files = analysis.files().map_err(|e| ResultsError::not_representable("input", e))?;
+    files.map_or(Ok(()), |files| store_input(folder, &files))
 }
 
 /// Copies the files of a body, by which the results can be shown later.

@@ -5,7 +5,7 @@
 //!
 //! * [`stress`]: Cauchy and von Mises stress at integration points and nodes, strain energy.
 //! * [`surface_stress`]: the stress at nodes of surfaces whose traction is known.
-//! * [`measures`]: end-face angle, centreline, air volume, reactions.
+//! * [`measures`]: end-face angle, centreline, air volume, reactions; [`centreline`]: points of that line.
 //! * [`penetration`]: how far walls pass through each other, by dense sampling.
 //! * [`contact`]: what the contact's own points carry.
 //! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
@@ -15,6 +15,7 @@
 //!
 //! Units: mm, N, MPa, mJ; displacements and reactions have one entry per node.
 
+pub mod centreline;
 pub mod contact;
 pub mod convergence;
 mod error;

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use pneuflex::gradient::{self, Gradient};
 use pneuflex::newton::{self, Cause, Failure, PathReport};
 use pneuflex::reason::Reason;
 use pneuflex::{End, Error, Event, Neighbour, Observer, ResultsError, Solution, StopToken, Unfinished, on_threads};
@@ -245,6 +246,11 @@ pub fn solve(
     }
 }
 
+/// Results by their names.
+pub fn requests(results: &[String]) -> Result<Vec<gradient::Request>, Error> {
+    results.iter().map(|result| Ok(result.parse()?)).collect()
+}
+
 #[pymethods]
 impl Outcome {
     /// `converged`, `past-limit`, `not-converged`, `interrupted` or `setup`.
@@ -308,6 +314,25 @@ impl Outcome {
         if let Some(found) = &self.found.neighbour {
             py.detach(|| neighbours::keep(&folder, identity, found));
         }
+    }
+
+    /// Results of its states and their exact derivatives by keys, a row for each result.
+    fn gradients(
+        &self,
+        py: Python<'_>,
+        results: Vec<String>,
+        keys: Vec<String>,
+    ) -> PyResult<(Vec<f64>, Vec<Vec<f64>>)> {
+        apart(py, || {
+            let states: Vec<_> = self.states.iter().map(|kept| kept.equilibrium.clone()).collect();
+            let found = self.analysis.gradients(&states, &requests(&results)?, Some(&keys))?;
+            let by = |gradient: &Gradient, key: &String| {
+                let found = gradient.derivatives.iter().find(|derivative| derivative.by == *key);
+                found.map_or(f64::NAN, |derivative| derivative.derivative)
+            };
+            let row = |gradient: &Gradient| keys.iter().map(|key| by(gradient, key)).collect();
+            Ok((found.iter().map(|gradient| gradient.value).collect(), found.iter().map(row).collect()))
+        })
     }
 
     /// Newton iterations, rejected attempts included.

@@ -13,6 +13,7 @@ use pyo3::types::PyBytes;
 
 use crate::array::Array;
 use crate::error::{apart, wrong};
+use crate::run::requests;
 
 /// Something to be studied, as it is written; never changed.
 #[pyclass(frozen, module = "pneuflex._native")]
@@ -209,6 +210,14 @@ impl Analysis {
     #[getter]
     fn requested(&self) -> Vec<f64> {
         self.analysis.requested.iter().map(|at| at.0).collect()
+    }
+
+    /// Refuses results and keys of which there are no derivatives, before anything is solved.
+    fn check_gradients(&self, py: Python<'_>, results: Vec<String>, keys: Vec<String>) -> PyResult<()> {
+        apart(py, || {
+            self.analysis.check_gradients(&requests(&results)?)?;
+            keys.iter().try_for_each(|key| self.analysis.number(key).map(drop))
+        })
     }
 
     /// Positions of the nodes at rest, mm.

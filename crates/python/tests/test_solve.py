@@ -393,3 +393,33 @@ def test_cases_can_be_sent_to_other_processes(small: Case, tmp_path: Path) -> No
     assert pickle.loads(pickle.dumps(case)).values == case.values
     assert pickle.loads(pickle.dumps(small)).set({"actuator.gap": 1}).length == 17
     assert repr(small) == "Case('actuator', 2 chambers, 18 mm long, at 1, 2, 3 kPa)"
+
+
+def test_values_come_with_their_derivatives() -> None:
+    case = small_case().set({"load.pressure_kpa": [2, 4]})
+    results, keys = ["end_face_angle", "tip.z@2", "centreline[50%].z"], ["actuator.top_wall", "material.c10"]
+    values, slopes = case.value_and_grad(results, keys)
+    assert values.shape == (3,) and slopes.shape == (3, 2)
+    solved = case.solve()
+    assert abs(values[0] - solved[-1].end_face_angle_deg) < 1e-9 and abs(values[1] - solved[0].tip[2]) < 1e-9
+    ends = [case.copy().set({"material.c10": case["material.c10"] * share}).solve() for share in (0.99, 1.01)]
+    change = ends[1][-1].end_face_angle_deg - ends[0][-1].end_face_angle_deg
+    assert abs(change / (0.02 * case["material.c10"]) / slopes[0, 1] - 1) < 1e-3
+    for wanted, by in [(["von_mises_p99"], keys), (results, ["mesh.size"])]:
+        with pytest.raises(InputError, match="no derivative"):
+            case.value_and_grad(wanted, by)
+    with pytest.raises(InputError, match="lists of names"):
+        case.value_and_grad("end_face_angle", keys)
+
+
+def test_scipy_minimises_with_them() -> None:
+    optimize = pytest.importorskip("scipy.optimize")
+    case = small_case().set({"load.pressure_kpa": [4]})
+
+    def miss(x: np.ndarray) -> tuple[float, np.ndarray]:
+        design = case.copy().set({"material.c10": float(x[0])})
+        (angle,), slopes = design.value_and_grad(["end_face_angle"], ["material.c10"])
+        return 0.5 * (angle - 1.5) ** 2, (angle - 1.5) * slopes[0]
+
+    found = optimize.minimize(miss, [case["material.c10"]], jac=True, bounds=[(0.1, 1)])
+    assert found.fun < 1e-6, found

@@ -13,7 +13,7 @@
 //!
 //! | module | what is there |
 //! |---|---|
-//! | [`sweep_file`], [`space`] | which designs: the file that says so, grids, lists, samples |
+//! | [`sweep_file`], [`node`], [`space`] | which designs: the file that says so, values by keys in it, grids, lists, samples |
 //! | [`base`], [`identity`], [`plan`] | a design as something to be solved, its name, all of them |
 //! | [`design`], [`row`] | solving one, what became of it |
 //! | [`neighbours`] | which designs start from similar ones |
@@ -27,6 +27,7 @@ pub mod folder;
 pub mod identity;
 pub mod job_script;
 pub mod neighbours;
+pub mod node;
 pub mod plan;
 pub mod row;
 pub mod space;

@@ -1,21 +1,16 @@
 //! The file that says which designs are solved.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use pneuflex::document::{Document, Written};
-use pneuflex::input_error::Origin;
 use pneuflex::model::CaseError;
 use pneuflex::{Change, Error, InputError};
 use serde::Deserialize;
-use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
-use toml::{Spanned, Value};
+use toml::Value;
 
 use crate::base::{Base, Design};
+use crate::node::{Node, placed};
 use crate::space::{self, Choice, MOST_DESIGNS, MOST_SOBOL, MOST_SOBOL_KEYS, Sample, Space};
-
-/// Tables of which single keys are set; other tables are values.
-const TABLES: [&str; 7] = ["actuator", "mesh", "contact", "load", "solver", "output", "model"];
 
 /// What a sweep's file says.
 #[derive(Clone, Debug, Deserialize)]
@@ -180,31 +175,18 @@ impl Document for SweepFile {
 impl Described {
     /// What is wrong with a design, at the place in the file where its values stand.
     pub fn place(&self, number: Option<usize>, error: Error) -> Error {
-        let Error::Input(errors) = error else { return error };
         let table = match number {
             Some(number) if number >= self.of_space => format!("design[{}]", number - self.of_space),
-            Some(_) => "space".to_owned(),
-            None => "case".to_owned(),
+            _ => "space".to_owned(),
         };
-        let placed = |error: InputError| {
-            let is_set = error.place().is_some_and(|place| place.origin() == Origin::Change);
-            let key = error.place().map(|place| place.name().split('=').next().unwrap_or_default().trim().to_owned());
-            let Some(key) = key.filter(|_| is_set) else { return error };
-            // What is set on the command line has a place of its own.
-            let has = |table: &Node| table.values().iter().any(|(other, _)| *other == key);
-            let is_of_design = number.is_some_and(|number| self.designs[number].iter().any(|(k, _)| *k == key));
-            let table = if is_of_design { &table } else { "set" };
-            if table == "set" && !has(&self.file.case.set) {
-                return error;
+        let set = self.file.case.set.values();
+        let key_of = |key: &str| {
+            if number.is_some_and(|number| self.designs[number].iter().any(|(other, _)| other == key)) {
+                return Some(format!("{table}.{key}"));
             }
-            let at = self.file.out_of_range(&problem(&format!("{table}.{key}"), String::new(), String::new()));
-            InputError::new(error.to_string())
-                .of_kind(error.kind())
-                .of_key(error.key().unwrap_or(&key))
-                .at(at.place().cloned())
-                .with_help(error.help().map(str::to_owned))
+            set.iter().any(|(other, _)| other == key).then(|| format!("set.{key}"))
         };
-        Error::Input(errors.into_iter().map(placed).collect())
+        placed(&self.file, &key_of, error)
     }
 
     /// Name of the file without folder and extension.
@@ -224,140 +206,6 @@ fn problem(key: &str, value: String, allowed: String) -> CaseError {
 
 fn in_toml((key, value): (String, Value)) -> (String, String) {
     (key, value.to_string())
-}
-
-/// A value of TOML whose tables keep their order, in which grids are gone through.
-#[derive(Clone, Debug)]
-enum Node {
-    Value(Value),
-    List(Vec<Self>),
-    Table(Vec<(String, Self)>),
-}
-
-impl Default for Node {
-    fn default() -> Self {
-        Self::Table(Vec::new())
-    }
-}
-
-impl Node {
-    /// As a value.
-    fn value(&self) -> Value {
-        match self {
-            Self::Value(value) => value.clone(),
-            Self::List(entries) => entries.iter().map(Self::value).collect::<Vec<_>>().into(),
-            Self::Table(pairs) => Value::Table(pairs.iter().map(|(key, node)| (key.clone(), node.value())).collect()),
-        }
-    }
-
-    /// Keys of a design with their values.
-    fn values(&self) -> Vec<(String, Value)> {
-        let Self::Table(pairs) = self else { return Vec::new() };
-        let of = |(key, node): &(String, Self)| match node {
-            Self::Table(inner) if TABLES.contains(&key.as_str()) => {
-                inner.iter().map(|(name, node)| (format!("{key}.{name}"), node.value())).collect()
-            }
-            node => vec![(key.clone(), node.value())],
-        };
-        pairs.iter().flat_map(of).collect()
-    }
-
-    /// Keys of a space with what they may be: what is no table, and ranges.
-    fn leaves(&self) -> Vec<(String, &Self)> {
-        let Self::Table(pairs) = self else { return Vec::new() };
-        let mut found = Vec::new();
-        for (key, node) in pairs {
-            match node {
-                Self::Table(inner) if !inner.iter().any(|(name, _)| name == "from" || name == "to") => {
-                    found.extend(node.leaves().into_iter().map(|(name, node)| (format!("{key}.{name}"), node)));
-                }
-                _ => found.push((key.clone(), node)),
-            }
-        }
-        found
-    }
-
-    /// What a key may be.
-    ///
-    /// # Errors
-    /// What it must be, in words.
-    fn choice(&self, is_count: bool) -> Result<Choice, String> {
-        let expected = || "must be a list of values or { from = …, to = … }".to_owned();
-        match self {
-            Self::List(values) if values.is_empty() => Err("must have at least one value".into()),
-            Self::List(values) => Ok(Choice::Values(values.iter().map(Self::value).collect())),
-            Self::Table(pairs) => {
-                let end = |name: &str| pairs.iter().find(|(key, _)| key == name).map(|(_, node)| node.value());
-                let (Some(from), Some(to), 2) = (end("from"), end("to"), pairs.len()) else { return Err(expected()) };
-                match (&from, &to) {
-                    (Value::Integer(from), Value::Integer(to)) if is_count && from <= to => {
-                        Ok(Choice::WholeBetween(*from, *to))
-                    }
-                    _ if is_count => Err("must be from a whole number to one that is not smaller".into()),
-                    _ => {
-                        let number = |value: &Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
-                        let ends = number(&from)
-                            .zip(number(&to))
-                            .filter(|(from, to)| from.is_finite() && to.is_finite() && from <= to);
-                        let (from, to) = ends.ok_or("must be from a number to one that is not smaller")?;
-                        Ok(Choice::Between(from, to))
-                    }
-                }
-            }
-            Self::Value(_) => Err(expected()),
-        }
-    }
-
-    fn in_words(&self) -> String {
-        self.value().to_string()
-    }
-}
-
-impl<'de> Deserialize<'de> for Node {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Any;
-        impl<'de> Visitor<'de> for Any {
-            type Value = Node;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a value of a key")
-            }
-
-            fn visit_bool<E>(self, truth: bool) -> Result<Node, E> {
-                Ok(Node::Value(truth.into()))
-            }
-
-            fn visit_i64<E>(self, number: i64) -> Result<Node, E> {
-                Ok(Node::Value(number.into()))
-            }
-
-            fn visit_f64<E>(self, number: f64) -> Result<Node, E> {
-                Ok(Node::Value(number.into()))
-            }
-
-            fn visit_str<E>(self, text: &str) -> Result<Node, E> {
-                Ok(Node::Value(text.into()))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Node, A::Error> {
-                let mut found = Vec::new();
-                while let Some(entry) = entries.next_element()? {
-                    found.push(entry);
-                }
-                Ok(Node::List(found))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Node, A::Error> {
-                let mut found: Vec<(Spanned<String>, Node)> = Vec::new();
-                while let Some(pair) = map.next_entry()? {
-                    found.push(pair);
-                }
-                found.sort_by_key(|(key, _)| key.span().start);
-                Ok(Node::Table(found.into_iter().map(|(key, node)| (key.into_inner(), node)).collect()))
-            }
-        }
-        deserializer.deserialize_any(Any)
-    }
 }
 
 #[cfg(test)]

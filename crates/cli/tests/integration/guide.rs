@@ -206,6 +206,11 @@ fn sweeps() {
 }
 
 #[test]
+fn design() {
+    works("design.md");
+}
+
+#[test]
 fn rod() {
     works("rod.md");
 }

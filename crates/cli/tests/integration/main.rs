@@ -27,6 +27,7 @@ mod obstacles;
 mod parts;
 mod rod;
 mod runs;
+mod searches;
 mod stops;
 mod support;
 mod sweeps;

@@ -3,12 +3,12 @@
 use pneuflex_model::{LoadParameter, Probe, Problem};
 use pneuflex_post::summary::probe_sites;
 
+use super::results::Scalar;
 use super::variants::Variants;
 use super::{Derivative, Request, extrapolated};
 use crate::analysis::Analysis;
 use crate::columns::Tip;
 use crate::error::Error;
-use crate::find::value_of;
 use crate::input_error::InputError;
 use crate::observer::StopToken;
 
@@ -105,12 +105,13 @@ impl Analysis {
             let mut changed = Self { problem, probes, ..self.clone() };
             changed.requested.pop();
             changed.requested.push(end);
-            let solution = changed.run().without_fields().stop(stop).solve()?;
-            let state = solution.states.iter().rev().find(|state| state.kind.is_requested());
+            let solution = changed.run().stop(stop).solve()?;
+            let reached = solution.fields.iter().zip(&solution.states);
+            let state = reached.rev().find(|(_, summary)| summary.kind.is_requested());
             let state = state.ok_or_else(|| InputError::new("nothing was asked for"))?;
             let tip = Tip::of_analysis(&changed);
-            let values = columns.iter().map(|column| value_of(column, state, &tip));
-            Ok(values.collect::<Result<_, _>>()?)
+            let values = columns.iter().map(|column| Ok(Scalar::find(column, state, &changed, &tip)?.value));
+            values.collect()
         };
         let [near, far] = [[values(-1.0)?, values(1.0)?], [values(-2.0)?, values(2.0)?]];
         let at = |ends: &[Vec<f64>; 2], i: usize| [ends[0][i], ends[1][i]];

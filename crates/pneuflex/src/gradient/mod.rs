@@ -47,10 +47,14 @@ use crate::folder::{GRADIENTS, OutputFolder};
 use crate::input_error::InputError;
 use crate::json;
 
+/// Slopes by the positions of the nodes are worth while for so many results by a length: one takes as long as two to three residuals.
+const RESULTS_PER_LENGTH: usize = 2;
+
 /// What is asked for: `COLUMN` or `COLUMN@PRESSURE`, e.g. `end_face_angle@35`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// A column of [`crate::columns`], with or without its unit, a vector, whose length is meant, or `force`.
+    /// A column of [`crate::columns`], with or without its unit, a vector, whose length is meant, `force`, a point of the centreline such as
+    /// `centreline[12.5].z` or `centreline[25%].x`, `silicone_volume` or `silicone_mass`.
     pub column: String,
     /// Pressure in kPa, or time of a model, at which; `None` for the last one that is asked for.
     pub at: Option<f64>,
@@ -145,6 +149,16 @@ impl Analysis {
         Ok(())
     }
 
+    /// The value of a number of the file, of which results have derivatives at the last position that is asked for; by its key, which may be one of a
+    /// single chamber.
+    ///
+    /// # Errors
+    /// A key that does not exist, or is no such number.
+    pub fn number(&self, key: &str) -> Result<f64, Error> {
+        let at = self.requested.last().copied().unwrap_or_default();
+        Ok(Variants::of(self)?.find(key, at)?.value)
+    }
+
     /// Refuses contact and constraints that have no derivative.
     fn check_contact(&self) -> Result<(), InputError> {
         let Some((key, why)) = self.without_gradient() else { return Ok(()) };
@@ -233,7 +247,7 @@ impl Analysis {
         }
         let summary = self.describe(state)?.summary;
         let tip = Tip::of_analysis(self);
-        let scalars = columns.iter().map(|column| Scalar::find(column, &summary, self, &tip));
+        let scalars = columns.iter().map(|column| Scalar::find(column, (state, &summary), self, &tip));
         let scalars: Vec<Scalar> = scalars.collect::<Result<_, _>>()?;
         let failed = |why: String| InputError::new(format!("there is no gradient: {why}"));
         let linearised = Linearised::at(&self.problem, state).map_err(|cause| failed(cause.to_string()))?;
@@ -243,16 +257,19 @@ impl Analysis {
             linearised.multipliers(&objective).map_err(|cause| failed(cause.to_string()))
         });
         let multipliers: Vec<Multipliers> = multipliers.collect::<Result<_, InputError>>()?;
-        let shapes = multipliers.iter().filter(|_| by_nodes).map(|result| linearised.shape_slope(result));
-        let shapes: Vec<Option<Vec<[f64; 3]>>> =
-            shapes.collect::<Result<_, _>>().map_err(|cause| failed(cause.to_string()))?;
-        let shapes: Option<Vec<Vec<[f64; 3]>>> = shapes.into_iter().collect();
         let variants = Variants::of(self)?;
         let at = state.parameter;
         let variables = match keys {
             Some(keys) => keys.iter().map(|key| variants.find(key, at)).collect::<Result<Vec<_>, _>>()?,
             None => variants.all(at),
         };
+        // One slope along all nodes for a result, or four residuals for a length: whichever is less.
+        let lengths = variables.iter().filter(|variable| variants.is_of_shape(variable)).count();
+        let by_nodes = by_nodes && multipliers.len() <= RESULTS_PER_LENGTH * lengths;
+        let shapes = multipliers.iter().filter(|_| by_nodes).map(|result| linearised.shape_slope(result));
+        let shapes: Vec<Option<Vec<[f64; 3]>>> =
+            shapes.collect::<Result<_, _>>().map_err(|cause| failed(cause.to_string()))?;
+        let shapes: Option<Vec<Vec<[f64; 3]>>> = shapes.into_iter().collect();
         let by_nodes = shapes.as_deref().filter(|_| by_nodes);
         let (linearised, variants) = (&linearised, &variants);
         let slopes = Slopes { linearised, variants, scalars: &scalars, multipliers: &multipliers, by_nodes, at };

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use pneuflex_model::{Pressure, Problem};
+use pneuflex_newton::ConvergedState;
 use pneuflex_newton::adjoint::{Frozen, Objective};
 use pneuflex_post::summary::{StepSummary, probe_sites};
-use pneuflex_post::{PostError, measures};
+use pneuflex_post::{PostError, centreline, measures};
 
 use crate::analysis::Analysis;
 use crate::columns::{Tip, columns};
@@ -39,6 +40,32 @@ enum Part {
     /// Force on an obstacle, by its number, along an axis.
     Obstacle(usize, usize),
     Energy,
+    /// Position of a point of the bottom centreline along an axis, mm.
+    Centreline(Along, usize),
+    /// Volume of the solid, mm³.
+    SolidVolume,
+    /// Its mass, g.
+    Mass,
+}
+
+/// Where a point of the centreline is at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Along {
+    /// So many mm from the clamp.
+    Distance(f64),
+    /// At this share of the length.
+    Share(f64),
+}
+
+impl Along {
+    /// The point on a body, see [`centreline::point`].
+    fn weights(self, problem: &Problem) -> Option<Vec<(u32, f64)>> {
+        let distance = match self {
+            Self::Distance(distance) => distance,
+            Self::Share(share) => share * centreline::length(problem),
+        };
+        centreline::point(problem, distance)
+    }
 }
 
 impl Scalar {
@@ -47,18 +74,35 @@ impl Scalar {
     /// # Errors
     /// A result that the body does not have, or that has no derivative.
     pub fn check(name: &str, state: &StepSummary, analysis: &Analysis, tip: &Tip) -> Result<(), InputError> {
+        if beside_columns(name, &analysis.problem)?.is_some() {
+            return Ok(());
+        }
         let columns = columns_of(name, state, tip)?;
         columns.iter().try_for_each(|column| part(column, analysis, tip).map(drop))
     }
 
-    /// The result of a name in a state: a column, with or without its unit, a vector, whose length it is, or [`FORCE`].
+    /// The result of a name in a state, of which there is a summary: a column, with or without its unit, a vector, whose length it is, [`FORCE`],
+    /// or what [`beside_columns`] has.
     ///
     /// # Errors
     /// As [`Self::check`]; a vector of no length.
-    pub fn find(name: &str, state: &StepSummary, analysis: &Analysis, tip: &Tip) -> Result<Self, InputError> {
-        let found = columns(state, tip);
+    pub fn find(
+        name: &str,
+        (state, summary): (&ConvergedState, &StepSummary),
+        analysis: &Analysis,
+        tip: &Tip,
+    ) -> Result<Self, InputError> {
+        if let Some((column, part)) = beside_columns(name, &analysis.problem)? {
+            let mut found = Self { column, value: 0.0, parts: vec![(1.0, part)] };
+            let (displacement, cavity_pressures) = (state.displacement.clone(), state.cavity_pressures.clone());
+            let frozen = Frozen { displacement, cavity_pressures, lagrangians: Vec::new() };
+            let value = found.explicit(&analysis.problem, &frozen);
+            found.value = value.map_err(|error| refused(name, &error.to_string()))?;
+            return Ok(found);
+        }
+        let found = columns(summary, tip);
         let value = |column: &String| found.get(column).and_then(serde_json::Value::as_f64).unwrap_or_default();
-        let names = columns_of(name, state, tip)?;
+        let names = columns_of(name, summary, tip)?;
         let values: Vec<f64> = names.iter().map(value).collect();
         let ([column], [value]) = (&names[..], &values[..]) else {
             let length = values.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -92,6 +136,13 @@ impl Scalar {
                     objective.by_displacement[*node][*axis] += weight;
                     None
                 }
+                Part::Centreline(along, axis) => {
+                    for (node, own) in along.weights(problem).unwrap_or_default() {
+                        objective.by_displacement[node as usize][*axis] += weight * own;
+                    }
+                    None
+                }
+                Part::SolidVolume | Part::Mass => None,
                 Part::Pressure(number) => {
                     by_pressure[*number] += weight * Pressure::from_mpa(1.0).kpa();
                     None
@@ -139,11 +190,67 @@ impl Scalar {
                         measures::volume(problem, &problem.cavities[*number], u)?.unwrap_or_default()
                     }
                     Part::Pressure(number) => frozen.cavity_pressures[*number].kpa(),
+                    Part::Centreline(along, axis) => {
+                        let weights = along.weights(problem).unwrap_or_default().into_iter();
+                        let at = |node: usize| problem.mesh.nodes[node][*axis] + u[node][*axis];
+                        weights.map(|(node, weight)| weight * at(node as usize)).sum()
+                    }
+                    Part::SolidVolume => problem.parts_of_whole() as f64 * problem.mesh.volume(),
+                    Part::Mass => mass(problem),
                     Part::Reaction(..) | Part::Obstacle(..) | Part::Energy => 0.0,
                 };
         }
         Ok(sum)
     }
+}
+
+/// Results that no table has: `centreline[12.5].x_mm` and `.z_mm`, the position of the point of the bottom centreline that is 12.5 mm from the clamp
+/// at rest, or with `centreline[25%]` at that share of its length; `silicone_volume_mm3` and `silicone_mass_g`. Their full names and parts.
+fn beside_columns(name: &str, problem: &Problem) -> Result<Option<(String, Part)>, InputError> {
+    match name.trim_end_matches("_mm3").trim_end_matches("_g") {
+        "silicone_volume" => return Ok(Some(("silicone_volume_mm3".to_owned(), Part::SolidVolume))),
+        "silicone_mass" => {
+            let (materials, of_element) = problem.materials();
+            if of_element.iter().any(|material| materials[usize::from(*material)].density == 0.0) {
+                return Err(refused(name, "the material has no density").of_key("material.density"));
+            }
+            return Ok(Some(("silicone_mass_g".to_owned(), Part::Mass)));
+        }
+        _ => {}
+    }
+    let Some((place, component)) = name.strip_prefix("centreline[").and_then(|rest| rest.split_once(']')) else {
+        return Ok(None);
+    };
+    let number = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    let along = match place.trim().strip_suffix('%') {
+        Some(percent) => number(percent).map(|percent| Along::Share(0.01 * percent)),
+        None => number(place).map(Along::Distance),
+    };
+    let axis = match component {
+        ".x" | ".x_mm" => Some(0),
+        ".z" | ".z_mm" => Some(2),
+        _ => None,
+    };
+    let (Some(along), Some(axis)) = (along, axis) else {
+        return Err(refused(name, "expected e.g. centreline[12.5].z or centreline[25%].x"));
+    };
+    if along.weights(problem).is_none() {
+        let length = centreline::length(problem);
+        let why = if length > 0.0 { format!("the centreline is {length} mm long") } else { "there is none".to_owned() };
+        return Err(refused(name, &why));
+    }
+    Ok(Some((format!("centreline[{}].{}_mm", place.trim(), ["x", "y", "z"][axis]), Part::Centreline(along, axis))))
+}
+
+/// Mass of the whole body, g.
+fn mass(problem: &Problem) -> f64 {
+    let (materials, of_element) = problem.materials();
+    let of_material = |number: usize| {
+        let elements = (0..of_element.len()).filter(|e| usize::from(of_element[*e]) == number);
+        materials[number].density * problem.mesh.volume_of(elements.map(|e| e as u32))
+    };
+    // Densities are in g/cm³.
+    1e-3 * problem.parts_of_whole() as f64 * (0..materials.len()).map(of_material).sum::<f64>()
 }
 
 /// The column of a name, or the three of a vector.

@@ -1,6 +1,7 @@
 //! Derivatives against differences of whole runs, extrapolated, with walls and obstacles in contact.
 
 use super::*;
+use crate::analysis::Description;
 use crate::observer::StopToken;
 use crate::study::Study;
 use crate::template;
@@ -55,8 +56,18 @@ fn touches(state: &StepSummary) -> bool {
     state.contact.gaps_in_contact == 1 && state.obstacles["table"].force_n[2] < -1e-3
 }
 
-const OF_CASE: [&str; 8] =
-    ["end_face_angle", "chord_angle", "tip.z", "tip", "cavity_volume", "reaction.z", "force", "strain_energy"];
+const OF_CASE: [&str; 10] = [
+    "end_face_angle",
+    "chord_angle",
+    "tip.z",
+    "tip",
+    "cavity_volume",
+    "reaction.z",
+    "force",
+    "strain_energy",
+    "centreline[7.3].x",
+    "centreline[60%].z",
+];
 
 #[test]
 fn derivatives_of_linear_elements_are_those_of_differences() {
@@ -78,7 +89,8 @@ fn derivatives_of_linear_elements_are_those_of_differences() {
 fn lengths_count_by_their_nodes() {
     for element in ["hex8-sri", "tet15"] {
         let analysis = touching(element, "9");
-        let keys = ["actuator.side_wall", "actuator.base", "actuator.cavity_length[1]"].map(str::to_owned);
+        let lengths = ["side_wall", "top_wall", "base", "gap", "cavity_length[1]"];
+        let keys = lengths.map(|length| format!("actuator.{length}"));
         let state = analysis.solve().unwrap().fields.pop().unwrap();
         let [by_nodes, plain] =
             [true, false].map(|by_nodes| analysis.gradients_at(&state, &OF_CASE, Some(&keys), by_nodes).unwrap());
@@ -184,6 +196,9 @@ fn what_has_no_derivative_is_refused_by_name() {
         ("contact.min_gap", "found by samples"),
         ("pressure_kpa", "it is given"),
         ("iterations", "a count"),
+        ("silicone_mass", "no density"),
+        ("centreline[99].z", "is 16.5 mm long"),
+        ("centreline[5].y", "expected e.g."),
         ("angle", "no such result"),
         ("tip.z@20", "no state is asked for at 20 kPa"),
     ] {
@@ -240,4 +255,53 @@ fn an_earlier_state_has_its_gradient_and_one_of_an_earlier_run_has_none() {
     }
     let error = analysis.gradients(&solution.fields[1..], &asked, None).unwrap_err();
     assert!(error.to_string().contains("tip.z@15: the displacements there are not known"), "{error}");
+}
+
+/// Of the paper's piece: 1268 mm³ are the half of it.
+#[test]
+fn volume_and_mass_of_the_silicone_depend_on_lengths_and_density_alone() {
+    let mut analysis = touching("hex8-q1p0", "9");
+    analysis.problem.material.density = 1.08;
+    let Description::Actuator(case) = &mut analysis.description else { panic!("it is a case") };
+    case.material.density = 1.08;
+    let state = analysis.solve().unwrap().fields.pop().unwrap();
+    let keys = ["actuator.base", "material.density", "material.c10"].map(str::to_owned);
+    let found = analysis.gradients(&[state], &requests(&["silicone_volume", "silicone_mass_g"]), Some(&keys)).unwrap();
+    let volume = 2.0 * analysis.problem.mesh.volume();
+    assert_eq!([found[0].value, found[1].value], [volume, 1e-3 * 1.08 * volume]);
+    let by = |gradient: &Gradient, key: &str| gradient.derivatives.iter().find(|d| d.by == key).unwrap().derivative;
+    // The cavities begin at the top of the base, which the slit ends at, too.
+    assert!(by(&found[0], "actuator.base") > 50.0 && by(&found[0], "material.density") == 0.0, "{found:?}");
+    assert!((by(&found[1], "material.density") / (1e-3 * volume) - 1.0).abs() < 1e-9, "{found:?}");
+    assert!((by(&found[1], "actuator.base") / by(&found[0], "actuator.base") - 1.08e-3).abs() < 1e-12);
+    assert!(by(&found[1], "material.c10").abs() < 1e-12);
+}
+
+/// Two bricks of a deck, glued at faces that share no nodes.
+#[test]
+fn derivatives_pass_through_glued_surfaces() {
+    let brick = |first: u32, low: f64, size: f64| {
+        let at = |i: u32| [i.div_ceil(2) % 2, i / 2 % 2, i / 4].map(f64::from);
+        let node = |i: u32| {
+            let [x, y, z] = at(i);
+            format!("{}, {}, {}, {}\n", first + i, size * x, size * y, low + z)
+        };
+        let nodes: String = (0..8).map(node).collect();
+        let numbers: Vec<String> = (0..8).map(|i| (first + i).to_string()).collect();
+        format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=BODY\n{first}, {}\n", numbers.join(", "))
+    };
+    let sets = "*NSET, NSET=FOOT\n1, 2, 3, 4\n*SURFACE, NAME=UNDER\n1, S2\n*SURFACE, NAME=OVER\n9, S1\n*SURFACE, NAME=HEAD\n9, S2\n\
+                *TIE, NAME=GLUE, ADJUST=NO\nOVER, UNDER\n*MATERIAL, NAME=M\n*HYPERELASTIC, NEO HOOKE\n0.2, 0.1\n\
+                *SOLID SECTION, ELSET=BODY, MATERIAL=M\n*STEP, NLGEOM\n*STATIC\n*END STEP\n";
+    let deck = [brick(1, 0.0, 1.0), brick(9, 1.0, 0.8), sets.to_owned()].concat();
+    let model = "[model]\nfile = \"two.inp\"\n[material]\nlaw = \"neo-hooke\"\nc10 = 0.3\nbulk_modulus = 20.0\n[load]\ntimes = [1.0]\n\
+                 [[support]]\nnodes = \"FOOT\"\naxes = \"xyz\"\n[[traction]]\nfaces = \"HEAD\"\ntraction_mpa = [0.03, 0.0, 0.05]\n\
+                 [[probe]]\nname = \"end\"\nat = [0.8, 0.8, 2.0]\n";
+    let files = [("two.toml", model.to_owned()), ("two.inp", deck)];
+    let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    let analysis = Study::from_files("two.toml", files).unwrap().build().unwrap();
+    // What is glued follows by equations.
+    assert!(!analysis.problem.equations.is_empty());
+    let state = compare(&analysis, &["probe.end.x", "strain_energy"], &["material.c10", "traction[0].traction_mpa.x"]);
+    assert!(state.probes["end"][0] > 0.01, "{state:?}");
 }

@@ -245,6 +245,43 @@ class Study:
         folder = Path(out) if out is not None else None
         return follow(study, analysis, hearing, out=folder, resumes=False, fields=fields)
 
+    def value_and_grad(
+        self, results: Sequence[str], keys: Sequence[str], *, threads: int | None = None, force: bool = False
+    ) -> tuple[Floats, Floats]:
+        """Solves it, and gives results with their exact derivatives: what an optimiser asks for.
+
+        Parameters
+        ----------
+        results
+            Names of results, as for `pneuflex run --gradient`: `"end_face_angle"` at the last pressure, `"tip.z@25"` at 25 kPa or that time,
+            `"centreline[50%].z"`.
+        keys
+            Keys of numbers by which they are differentiated: `"actuator.top_wall"`, `"actuator.gap[2]"`, `"material.c10"`.
+        threads, force
+            As of :meth:`solve`.
+
+        Returns
+        -------
+        values, derivatives
+            Numbers of shape (results,), and (results, keys), in the results' units per unit of the keys.
+
+        Raises
+        ------
+        InputError
+            A result or a key without derivatives, or as :meth:`check`.
+        NotConverged, Interrupted
+            As of :meth:`solve`.
+        """
+        if isinstance(results, str) or isinstance(keys, str):
+            raise InputError("value_and_grad: lists of names are wanted, not a text")
+        hearing = Hearing(threads, False, None)
+        analysis = self._study.build(force, hearing.threads)
+        analysis.check_gradients(list(results), list(keys))
+        outcome = follow(self._study, analysis, hearing, out=None, resumes=False, fields=True)._outcome
+        assert outcome is not None
+        values, rows = outcome.gradients(list(results), list(keys))
+        return np.array(values), np.array(rows).reshape(len(values), len(keys))
+
     def _solve_in_sweep(
         self, threads: int, out: str | None, neighbour: tuple[str, str] | None, keeps_equilibria: bool
     ) -> Result:

@@ -1,0 +1,134 @@
+//! `pneuflex design`: designs from targets.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use pneuflex::folder::DESIGNED;
+use pneuflex_inverse::design::{DesignProblem, Designed, Held, Reached, Value};
+use pneuflex_inverse::minimise::{Judged, TOLERANCE, Why};
+
+use crate::args::{SearchArguments, changes};
+use crate::error::CliError;
+use crate::interrupt;
+use crate::outcome::Outcome;
+use crate::search::{ended, folder, line, number};
+use crate::terminal::say;
+
+/// Looks for a design, and prints it.
+///
+/// # Errors
+/// Bad input, found before anything is solved or written; what cannot be written.
+pub fn design(arguments: &SearchArguments) -> Result<Outcome, CliError> {
+    let solve = &arguments.solve;
+    solve.with.use_threads()?;
+    let stop = interrupt::listen();
+    let problem = DesignProblem::load(&arguments.file, &changes(&arguments.set)?, solve.memory_limit(), &stop)?;
+    let path = folder(arguments, &problem.stem());
+    let found = problem.run((&path, arguments.resume), &mut |progress| {
+        if !solve.with.quiet {
+            line(progress, &progress.step.judged.map(goodness).unwrap_or_default());
+        }
+    });
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => return ended(error, &path, &stop),
+    };
+    // Nobody reading on is no error.
+    let _ = std::io::stdout().write_all(text(&found).as_bytes());
+    // Said even when quiet where it is the reason for the exit code.
+    if !(found.is_good() && solve.with.quiet) {
+        say(&why(&found));
+    }
+    if !solve.with.quiet {
+        say(&format!("{} has all numbers, case.toml beside it the design", path.join(DESIGNED).display()));
+    }
+    Ok(if found.is_good() { Outcome::Converged } else { Outcome::NotConverged })
+}
+
+/// How good a design is, in words.
+fn goodness(judged: &Judged) -> String {
+    let mut words = Vec::new();
+    if !judged.residuals.is_empty() {
+        words.push(format!("targets missed by {} of what they may be", number(judged.residuals.norm())));
+    }
+    if judged.extreme != 0.0 {
+        words.push(format!("extremes {}", number(judged.extreme)));
+    }
+    if judged.violation() > TOLERANCE {
+        words.push(format!("a limit exceeded by {} %", number(100.0 * judged.violation())));
+    }
+    words.join(", ")
+}
+
+/// Why the search has ended.
+fn why(found: &Designed) -> String {
+    let broken: Vec<&str> = found.limits.iter().filter(|limit| !limit.holds).map(|limit| limit.name.as_str()).collect();
+    let active = found.limits.iter().filter(|limit| limit.is_active).map(|limit| limit.name.clone());
+    let at_bounds =
+        found.values.iter().filter(|value| value.is_at_bound).map(|value| format!("the bound of {}", value.name));
+    let keeps: Vec<String> = active.chain(at_bounds).collect();
+    let keeps = if keeps.is_empty() {
+        String::new()
+    } else {
+        format!("; what keeps it from being better: {}", keeps.join(", "))
+    };
+    match found.why {
+        Why::Met => "all targets are met".to_owned(),
+        Why::Converged if !broken.is_empty() => {
+            format!("not met: no design near this one holds {}{keeps}", broken.join(", "))
+        }
+        Why::Converged if found.targets.iter().any(|target| !target.is_met()) => {
+            format!("not met: no design near this one comes nearer to the targets{keeps}")
+        }
+        Why::Converged => format!("no design near this one is better{keeps}"),
+        Why::NoDescent => {
+            format!("not converged: no step makes it better, however short; another start may help{keeps}")
+        }
+        Why::Enough => {
+            format!("not converged after {} solutions: `solutions` allows more, --resume goes on", found.solutions)
+        }
+    }
+}
+
+fn text(found: &Designed) -> String {
+    let mut text = format!("{:<28} {:>12} {:>12}\n", "", "value", "start");
+    for Value { name, value, start, is_at_bound } in &found.values {
+        let bound = if *is_at_bound { "  at its bound" } else { "" };
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<28} {:>12} {:>12}{bound}", number(*value), number(*start));
+    }
+    for target in &found.targets {
+        let Reached { name, wanted, off, within } = target;
+        let _ = match wanted {
+            Some(wanted) => writeln!(
+                text,
+                "{name}: {} for {}, within {}: {}",
+                number(wanted + off),
+                number(*wanted),
+                number(*within),
+                if target.is_met() { "met" } else { "missed" }
+            ),
+            None => writeln!(
+                text,
+                "{name}: {} mm off (root mean square), within {}: {}",
+                number(*off),
+                number(*within),
+                if target.is_met() { "met" } else { "missed" }
+            ),
+        };
+    }
+    for (name, value) in &found.extremes {
+        let _ = writeln!(text, "{name}: {}", number(*value));
+    }
+    for Held { name, value, holds, is_active } in &found.limits {
+        let state = if !holds {
+            "exceeded"
+        } else if *is_active {
+            "active"
+        } else {
+            "held"
+        };
+        let _ = writeln!(text, "{name}: {} ({state})", number(*value));
+    }
+    text
+}
