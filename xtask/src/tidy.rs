@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which workspace crates a crate may use (ARCHITECTURE.md, "Arrows"). Test-only arrows are free.
-const ARROWS: [(&str, &[&str]); 23] = [
+const ARROWS: [(&str, &[&str]); 24] = [
     ("mesh", &[]),
     ("model", &["mesh"]),
     ("material", &["mesh", "model"]),
