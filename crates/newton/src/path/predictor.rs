@@ -12,10 +12,15 @@ use crate::tangent_solver::Tangent;
 
 /// A step of a given load that moves the body this many times as far as predicted may have come to another branch.
 pub(super) const LONGER: f64 = 2.0;
+/// One that moves it so many times as far has come to another branch. What lies between is seen with a shorter step: a path that bends is soon as
+/// long as predicted, a jump keeps its length.
+const JUMP: f64 = 4.0;
+/// A step that moves it by less than this share of its displacement is no jump: under loads that rest both lengths are rounding.
+const NEGLIGIBLE: f64 = 1e-4;
 
-/// Whether a step is longer than a tangent predicts.
-fn is_longer(change: &[[f64; 3]], predicted: &[[f64; 3]]) -> bool {
-    dot(change, change) > LONGER * LONGER * dot(predicted, predicted)
+/// How many times as far as a tangent predicts a step has moved the body.
+fn times_predicted(change: &[[f64; 3]], predicted: &[[f64; 3]]) -> f64 {
+    (dot(change, change) / dot(predicted, predicted)).sqrt()
 }
 
 impl Path {
@@ -47,20 +52,25 @@ impl Path {
         let change = difference(&converged.equilibrium.state.displacement, &start.displacement);
         // The first tangent may be a bad one.
         let is_first = start.parameter == LoadParameter::default();
-        if (is_damped || !is_first) && is_longer(&change, &correction.scaled(share).displacement) {
+        let whole = &converged.equilibrium.state.displacement;
+        let has_moved = dot(&change, &change) > NEGLIGIBLE * NEGLIGIBLE * dot(whole, whole);
+        let times = times_predicted(&change, &correction.scaled(share).displacement);
+        if (is_damped || !is_first) && has_moved && times > LONGER {
+            let times = match self.way_back(&start, &mut converged) {
+                Ok(back) => times.min(times_predicted(&change, &back)),
+                Err(cause @ (Cause::Interrupted | Cause::OutOfMemory(_))) => return Err(cause),
+                Err(cause) if is_damped => return Err(cause),
+                Err(_) => 0.0,
+            };
+            let can_be_halved = 0.5 * (*aim - start.parameter) >= self.settings.min_step;
+            converged.has_jumped = !is_damped && times > if can_be_halved { JUMP } else { LONGER };
+            if times > LONGER && !converged.has_jumped {
+                self.system.recycle(converged.predictor);
+                return Err(Cause::OtherBranch);
+            }
             if !is_first {
                 // Similar designs do not follow what may have snapped.
                 self.keep_nothing();
-            }
-            converged.has_jumped = match self.way_back(&start, &mut converged) {
-                Ok(back) => is_longer(&change, &back),
-                Err(cause @ (Cause::Interrupted | Cause::OutOfMemory(_))) => return Err(cause),
-                Err(cause) if is_damped => return Err(cause),
-                Err(_) => false,
-            };
-            if is_damped && converged.has_jumped {
-                self.system.recycle(converged.predictor);
-                return Err(Cause::OtherBranch);
             }
         }
         Ok(converged)
