@@ -4,20 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use pneuflex::InputError;
-use pneuflex::export::{Format, Reel};
-use pneuflex::picture::Look;
+use pneuflex::export::Format;
+use pneuflex::export_request::{NoFormat, Request};
 
-use crate::args::{ExportArguments, ExportFormat, PictureColours, PictureView};
+use crate::args::{ExportArguments, ExportFormat};
 use crate::error::CliError;
 use crate::picture::{check_range, colours, view};
 use crate::terminal::say;
-
-/// Width of the pictures of a film, px, and their number.
-const WIDTH: u32 = 700;
-const PICTURES: u32 = 40;
-
-/// Thickness of a mould's walls, mm.
-const WALL: f64 = 5.0;
 
 /// Writes the files and says where they are.
 ///
@@ -25,10 +18,10 @@ const WALL: f64 = 5.0;
 /// An option that the format has no use for, a folder that is none of this program's, results that do not have what is asked for, a file that
 /// cannot be written.
 pub fn export(arguments: &ExportArguments) -> Result<(), CliError> {
-    refuse_unused(arguments)?;
     check_range(arguments.range)?;
+    let format = format(arguments)?;
     let out = arguments.out.clone().map_or_else(|| default_out(&arguments.results, arguments.to), Ok)?;
-    let files = pneuflex::export::export(&arguments.results, &format(arguments), &out)?;
+    let files = pneuflex::export::export(&arguments.results, &format, &out)?;
     match &files[..] {
         [file] => say(&format!("wrote {}", file.display())),
         files => say(&format!("wrote {} files into {}", files.len(), out.display())),
@@ -36,55 +29,23 @@ pub fn export(arguments: &ExportArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-fn format(arguments: &ExportArguments) -> Format {
-    let look = Look {
+fn format(arguments: &ExportArguments) -> Result<Format, InputError> {
+    let request = Request {
         at: arguments.at,
-        colours: colours(arguments.colour.unwrap_or(PictureColours::VonMises)),
-        view: view(arguments.view.unwrap_or(PictureView::Iso)),
+        colour: arguments.colour.map(colours),
         range: arguments.range,
-        width: f64::from(arguments.width.unwrap_or(WIDTH)),
+        view: arguments.view.map(view),
+        width: arguments.width.map(f64::from),
+        pictures: arguments.pictures.map(|pictures| pictures as usize),
+        wall: arguments.wall,
     };
-    let film = |reel| {
-        let pictures = arguments.pictures.unwrap_or(PICTURES) as usize;
-        Format::Film { look: look.clone(), pictures, reel }
-    };
-    match arguments.to {
-        ExportFormat::Stl => Format::Stl(arguments.at),
-        ExportFormat::Obj => Format::Obj(look),
-        ExportFormat::Glb => Format::Glb(look),
-        ExportFormat::Csv => Format::Csv(arguments.at),
-        ExportFormat::Npz => Format::Npz,
-        ExportFormat::Vtk => Format::Vtk,
-        ExportFormat::Msh => Format::Msh,
-        ExportFormat::Png => film(Reel::Png),
-        ExportFormat::Gif => film(Reel::Gif),
-        ExportFormat::Mp4 => film(Reel::Mp4),
-        ExportFormat::Mould => Format::Mould(arguments.wall.unwrap_or(WALL)),
-    }
-}
-
-/// Refuses options that the format has no use for.
-fn refuse_unused(arguments: &ExportArguments) -> Result<(), InputError> {
-    use ExportFormat::{Csv, Gif, Glb, Mould, Mp4, Obj, Png, Stl};
-    let film = [Png, Gif, Mp4];
-    let painted = [Obj, Glb, Png, Gif, Mp4];
-    let options: [(&str, bool, &[ExportFormat]); 7] = [
-        ("--at", arguments.at.is_some(), &[Stl, Obj, Glb, Csv]),
-        ("--colour", arguments.colour.is_some(), &painted),
-        ("--range", arguments.range.is_some(), &painted),
-        ("--view", arguments.view.is_some(), &film),
-        ("--width", arguments.width.is_some(), &film),
-        ("--pictures", arguments.pictures.is_some(), &film),
-        ("--wall", arguments.wall.is_some(), &[Mould]),
-    ];
-    match options.into_iter().find(|(_, is_given, formats)| *is_given && !formats.contains(&arguments.to)) {
-        None => Ok(()),
-        Some((option, _, formats)) => {
-            let what = format!("{option} means nothing to --to {}", name(arguments.to));
-            let formats: Vec<String> = formats.iter().map(|format| name(*format)).collect();
-            Err(InputError::new(what).with_help(Some(format!("it is for {}", formats.join(", ")))))
+    Format::named(&name(arguments.to), &request).map_err(|error| match error {
+        NoFormat::Unused { option, format, formats } => {
+            InputError::new(format!("--{option} means nothing to --to {format}"))
+                .with_help(Some(format!("it is for {}", formats.join(", "))))
         }
-    }
+        error => InputError::new(error.to_string()),
+    })
 }
 
 fn name(format: ExportFormat) -> String {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use pneuflex_mesh::vector::{Vec3, cross, norm, sub};
 use pneuflex_model::{Image, Problem};
 use pneuflex_report::body::Body;
-use pneuflex_report::skin::Skin;
+use pneuflex_report::regions::Regions;
+use pneuflex_report::skin::{Side, Skin};
 
 /// Normals that look across a plane of symmetry by no more than this, the sine of 20°, belong to a surface that goes on smoothly there.
 const SMOOTH: f64 = 0.342;
@@ -36,21 +37,21 @@ impl Surface {
         let body = Body::new(mesh);
         let planes: Vec<&[u32]> =
             problem.symmetry.iter().map(|plane| &problem.supports[plane.support].nodes[..]).collect();
-        let skin = Skin::new(mesh, &problem.cavity_facets(), &planes, &body);
+        let skin = Skin::new(mesh, &problem.cavity_facets(), &planes, &Regions::default(), &body);
         let images = problem.images();
         let corners = (0..images.len()).flat_map(|image| skin.vertices.iter().map(move |&node| Corner { node, image }));
-        let [outside, all] = skin.parts;
-        let mut triangles = Vec::with_capacity(images.len() * all);
-        for part in [0..outside, outside..all] {
+        let mut triangles = Vec::with_capacity(images.len() * skin.triangles.len());
+        for side in [Side::Outside, Side::Air] {
             for (number, image) in images.iter().enumerate() {
                 let first = (number * skin.vertices.len()) as u32;
-                triangles.extend(skin.triangles[part.clone()].iter().map(|&[a, b, c]| {
+                triangles.extend(skin.triangles_of(side).map(|[a, b, c]| {
                     let [b, c] = if image.is_turned() { [c, b] } else { [b, c] };
                     [a, b, c].map(|corner| first + corner)
                 }));
             }
         }
-        Self { corners: corners.collect(), outside: images.len() * outside, triangles, body, images }
+        let outside = images.len() * skin.triangles_of(Side::Outside).count();
+        Self { corners: corners.collect(), outside, triangles, body, images }
     }
 
     /// Number of corners.

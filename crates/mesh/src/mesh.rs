@@ -234,6 +234,24 @@ impl Mesh {
 
     /// Facets that belong to one element only: the boundary of the solid, in element order.
     pub fn boundary_facets(&self) -> Vec<Facet> {
+        let faces = self.facets_by_face();
+        let mut boundary: Vec<Facet> =
+            faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 1).map(|group| group[0].1).collect();
+        boundary.sort();
+        boundary
+    }
+
+    /// Faces that two elements have in common, as the facets of both, in element order.
+    pub fn shared_faces(&self) -> Vec<[Facet; 2]> {
+        let faces = self.facets_by_face();
+        let pairs = faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 2);
+        let mut shared: Vec<[Facet; 2]> = pairs.map(|group| [group[0].1, group[1].1]).collect();
+        shared.sort();
+        shared
+    }
+
+    /// All facets with the sorted corners of their faces; those of one face follow each other.
+    fn facets_by_face(&self) -> Vec<(Vec<u32>, Facet)> {
         let mut faces: Vec<(Vec<u32>, Facet)> = (0..self.num_elements() as u32)
             .flat_map(|element| self.facets_of(element))
             .map(|facet| {
@@ -244,10 +262,7 @@ impl Mesh {
             })
             .collect();
         faces.sort();
-        let mut boundary: Vec<Facet> =
-            faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 1).map(|group| group[0].1).collect();
-        boundary.sort();
-        boundary
+        faces
     }
 
     /// A quadrilateral and a triangle on the boundary that has three of its corners: they lie on each other, but do not hold together. The

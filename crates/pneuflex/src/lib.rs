@@ -141,6 +141,7 @@ pub mod document;
 pub mod error;
 pub mod error_estimate;
 pub mod export;
+pub mod export_request;
 mod ffmpeg;
 mod files;
 mod film;

@@ -35,6 +35,29 @@ pub enum Colours {
     Plain,
 }
 
+impl Colours {
+    /// Those of a name: `von-mises`, `displacement`, `contact`, `none`.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "von-mises" => Some(Self::VonMises),
+            "displacement" => Some(Self::Displacement),
+            "contact" => Some(Self::ContactPressure),
+            "none" => Some(Self::Plain),
+            _ => None,
+        }
+    }
+}
+
+/// The view of a name: `iso`, `section`, `side`.
+pub fn view_named(name: &str) -> Option<View> {
+    match name {
+        "iso" => Some(View::OUTSIDE),
+        "section" => Some(View::SECTION),
+        "side" => Some(View::SIDE),
+        _ => None,
+    }
+}
+
 /// How a state is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {

@@ -17,6 +17,7 @@
 mod array;
 mod calibration;
 mod error;
+mod leave;
 mod run;
 mod state;
 mod study;
@@ -31,6 +32,8 @@ mod _native {
     use crate::array::Array;
     #[pymodule_export]
     use crate::calibration::{fit, materials, read_curves, test_kind};
+    #[pymodule_export]
+    use crate::leave::{compare, export};
     #[pymodule_export]
     use crate::run::{Outcome, Start, solve};
     #[pymodule_export]

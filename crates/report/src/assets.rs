@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 22] = [
+const MODULES: [(&str, &str); 27] = [
     ("three", include_str!("../assets/vendor/three.module.min.js")),
     ("three/orbit-controls", include_str!("../assets/vendor/OrbitControls.js")),
     ("pneuflex/main", include_str!("../assets/js/main.js")),
@@ -17,13 +17,18 @@ const MODULES: [(&str, &str); 22] = [
     ("pneuflex/material", include_str!("../assets/js/material.js")),
     ("pneuflex/states", include_str!("../assets/js/states.js")),
     ("pneuflex/section", include_str!("../assets/js/section.js")),
-    ("pneuflex/actuator", include_str!("../assets/js/actuator.js")),
+    ("pneuflex/runs", include_str!("../assets/js/runs.js")),
+    ("pneuflex/images", include_str!("../assets/js/images.js")),
+    ("pneuflex/body", include_str!("../assets/js/body.js")),
     ("pneuflex/obstacles", include_str!("../assets/js/obstacles.js")),
     ("pneuflex/stage", include_str!("../assets/js/stage.js")),
     ("pneuflex/viewer", include_str!("../assets/js/viewer.js")),
+    ("pneuflex/photo", include_str!("../assets/js/photo.js")),
     ("pneuflex/probe", include_str!("../assets/js/probe.js")),
     ("pneuflex/transport", include_str!("../assets/js/transport.js")),
     ("pneuflex/plots", include_str!("../assets/js/plots.js")),
+    ("pneuflex/own-plot", include_str!("../assets/js/own_plot.js")),
+    ("pneuflex/plot-layout", include_str!("../assets/js/plot_layout.js")),
     ("pneuflex/setup", include_str!("../assets/js/setup.js")),
     ("pneuflex/axes", include_str!("../assets/js/axes.js")),
     ("pneuflex/record", include_str!("../assets/js/record.js")),

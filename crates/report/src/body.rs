@@ -25,6 +25,8 @@ pub struct Body {
 pub struct Block {
     /// The family.
     pub family: &'static ElementFamily,
+    /// Numbers of the elements in the mesh.
+    pub elements: Vec<u32>,
     /// Node numbers, `family.num_nodes()` per element.
     pub connectivity: Vec<u32>,
 }
@@ -67,8 +69,13 @@ impl Body {
         for element in 0..self.families.len() {
             let (family, nodes) = self.element(element);
             match blocks.iter_mut().find(|block| std::ptr::eq(block.family, family)) {
-                Some(block) => block.connectivity.extend(nodes),
-                None => blocks.push(Block { family, connectivity: nodes.to_vec() }),
+                Some(block) => {
+                    block.elements.push(element as u32);
+                    block.connectivity.extend(nodes);
+                }
+                None => {
+                    blocks.push(Block { family, elements: vec![element as u32], connectivity: nodes.to_vec() });
+                }
             }
         }
         blocks

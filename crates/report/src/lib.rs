@@ -4,8 +4,9 @@
 //! Data goes in and a text comes out; reading the result folder and writing the page is up to the caller.
 //!
 //! * [`summary`]: what is read of `summary.json`.
-//! * [`state`]: the fields of one pressure or time, from their `.vtu` files; [`stretch`]: one that is in none of them.
+//! * [`state`]: the fields of one pressure or time, from their `.vtu` files; [`stretch`]: those that are in none of them.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
+//! * [`regions`]: parts of the body with materials of their own.
 //! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
 //! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
 //!   [`sensitivity`]: what changes one of them most; [`comparison`]: how they differ from measurements.
@@ -19,6 +20,7 @@
 pub mod assets;
 pub mod body;
 pub mod comparison;
+mod controls;
 mod error;
 pub mod inputs;
 mod numbers;
@@ -26,6 +28,8 @@ pub mod obstacles;
 pub mod page;
 mod payload;
 pub mod quantise;
+mod quantities;
+pub mod regions;
 mod report;
 pub mod results;
 pub mod sensitivity;

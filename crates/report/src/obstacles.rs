@@ -27,8 +27,8 @@ pub struct Drawn<'a> {
     pub edge_radius: f64,
     /// Whether the body is inside.
     pub hollow: bool,
-    /// Whether the other half of a half has an obstacle of its own, the mirror image of this one.
-    pub mirrored: bool,
+    /// By axis, whether there is a mirror image of it beyond the plane of symmetry that is normal to the axis; it may be its own.
+    pub mirrored: [bool; 3],
     /// Time and offset, mm, where its motion begins, bends and ends; empty if it stays in place.
     pub path: Vec<[f64; 4]>,
 }
@@ -54,7 +54,9 @@ fn draw<'a>(
         size: [0.0; 3],
         edge_radius: 0.0,
         hollow: false,
-        mirrored: report.mirror().is_some_and(|plane| !plane.is_symmetry_of(obstacle)),
+        mirrored: std::array::from_fn(|axis| {
+            report.problem.symmetry.iter().any(|plane| plane.axis == axis && !plane.is_symmetry_of(obstacle))
+        }),
         path: path(report, series, obstacle),
     };
     let mut drawn = match obstacle.shape {
@@ -101,14 +103,14 @@ impl Passed {
                 *high = high.max(dot(x, *axis));
             }
         };
-        let halves: &[f64] = if report.mirrored() { &[1.0, -1.0] } else { &[1.0] };
-        let mut add_both = |[x, y, z]: [f64; 3], offset| halves.iter().for_each(|sign| add([x, sign * y, z], offset));
+        let images = report.problem.images();
+        let mut add_all = |x: [f64; 3], offset| images.iter().for_each(|image| add(image.point(x), offset));
         let at_rest = obstacle.offset(LoadParameter::default());
-        nodes.iter().for_each(|&x| add_both(x, at_rest));
+        nodes.iter().for_each(|&x| add_all(x, at_rest));
         for state in report.states.into_iter().flatten() {
             let offset = obstacle.offset(LoadParameter(state.time));
             for (x, u) in nodes.iter().zip(&state.displacement) {
-                add_both(std::array::from_fn(|d| x[d] + u[d]), offset);
+                add_all(std::array::from_fn(|d| x[d] + u[d]), offset);
             }
         }
         Self { range }
@@ -272,7 +274,7 @@ mod tests {
         let sphere = |y: f64| Shape::Sphere { centre: [10.0, y, -9.0], radius: 1.0, is_hollow: false };
         for (y, is_half, expected) in [(0.0, true, false), (2.0, true, true), (2.0, false, false)] {
             with_drawn(vec![obstacle(sphere(y), None)], is_half, |found| {
-                assert_eq!(found.unwrap()[0].mirrored, expected, "{y} {is_half}");
+                assert_eq!(found.unwrap()[0].mirrored, [false, expected, false], "{y} {is_half}");
             });
         }
     }

@@ -1,10 +1,10 @@
 //! The page: its elements, into which the modules of `assets/js` draw.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use pneuflex_model::Clock;
 
 use crate::assets;
 use crate::comparison;
+use crate::controls::{options, stage, transport};
 use crate::numbers::thousands;
 use crate::report::Report;
 use crate::results::results;
@@ -15,7 +15,6 @@ use crate::tables::{exactness, inputs, notices, status_text};
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
                       base-uri 'none'; form-action 'none'";
 
-const PLAY: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path class="play" d="M8 5.5v13l11-6.5z"/><path class="pause" d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>"#;
 const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3a9 9 0 1 0 0 18zm0-1a10 10 0 1 1 0 20 10 10 0 0 1 0-20z"/></svg>"#;
 
 /// The whole text of the page; `data` is the JSON that the modules read.
@@ -31,6 +30,8 @@ pub fn html(report: &Report<'_>, data: &str) -> String {
                 (viewer(report))
                 section #plots .plots aria-label=(plots) {}
             }
+            // Plots for which there is no room beside the view.
+            section #more-plots .plots .more-plots aria-label={ (plots) ", continued" } hidden {}
             (results(report))
             (exactness(report))
             (comparison::section(report))
@@ -99,129 +100,6 @@ fn viewer(report: &Report<'_>) -> Markup {
             }
             (transport(report))
             @if report.states.is_some() { (options(report)) }
-        }
-    }
-}
-
-/// The canvas with what lies over it; `has_values` says whether a click reads some.
-pub(crate) fn stage(noun: &str, has_values: bool) -> Markup {
-    let view = |name: &str, label: &str, key: &str| {
-        html! { button type="button" data-view=(name) title={ "View: " (name) " (" (key) ")" } { (label) } }
-    };
-    html! {
-        div .view {
-            div #stage .stage {
-                canvas #canvas tabindex="0" role="img" aria-label={ "The deformed " (noun) " in three dimensions" } aria-describedby="hint" {}
-                img #printout alt={ "The deformed " (noun) };
-                div #legend .legend aria-live="polite" {}
-                @if has_values { div #axes .axes {} }
-                div .views role="group" aria-label="Views" {
-                    (view("iso", "Iso", "1")) (view("side", "Side", "2")) (view("front", "Front", "3")) (view("reset", "Reset", "0"))
-                    button #snapshot type="button" title="Save the view as a picture (PNG)" { "PNG" }
-                    @if has_values {
-                        button #record type="button" hidden title="Play once from rest and save it as a film (WebM)" { "Film" }
-                    }
-                }
-                p #hint .hint {
-                    span .pointer { "Drag to turn, right button to shift, wheel to zoom" @if has_values { ", click to read values" } "." }
-                    span .touch { "Drag to turn, two fingers to shift and zoom" @if has_values { ", tap to read values" } "." }
-                    span .hidden { " Keys: arrows turn, plus and minus zoom, 1, 2, 3 and 0 choose a view, space plays." }
-                }
-                p #no-view .notice hidden {
-                    "This browser shows no three-dimensional graphics (WebGL). Plots and tables below are complete."
-                }
-            }
-            div #probe .probe role="status" hidden {}
-        }
-    }
-}
-
-fn transport(report: &Report<'_>) -> Markup {
-    let label = match report.problem.clock {
-        Clock::Pressure => "Air pressure in kPa",
-        Clock::Steps => "Time",
-    };
-    html! {
-        div .transport {
-            button #play .icon type="button" aria-label="Play" title="Play (space)" { (PreEscaped(PLAY)) }
-            div .track {
-                label .hidden for="time" { (label) }
-                input #time type="range" min="0" step="any";
-                div #ticks .ticks {}
-            }
-            div .readout {
-                output #time-readout for="time" {}
-                span #origin .origin {}
-                span #key-numbers .key-numbers {}
-            }
-        }
-    }
-}
-
-/// Fields that are chosen from a list.
-const MORE_FIELDS: [(&str, &str); 11] = [
-    ("ux", "displacement along x"),
-    ("uy", "displacement along y"),
-    ("uz", "displacement along z"),
-    ("stretch", "largest stretch"),
-    ("pressure", "pressure in the solid"),
-    ("sxx", "stress xx"),
-    ("syy", "stress yy"),
-    ("szz", "stress zz"),
-    ("sxy", "stress xy"),
-    ("syz", "stress yz"),
-    ("sxz", "stress xz"),
-];
-
-fn options(report: &Report<'_>) -> Markup {
-    let radio = |name: &str, value: &str, label: &str, checked: bool| {
-        html! { label { input type="radio" name=(name) value=(value) checked[checked]; span { (label) } } }
-    };
-    let tick = |id: &str, label: &str, checked: bool| {
-        html! { label .tick { input id=(id) type="checkbox" checked[checked]; span { (label) } } }
-    };
-    html! {
-        div #options .options {
-            fieldset {
-                legend { "Colour" }
-                div .segments {
-                    (radio("field", "vonMises", "von Mises", true))
-                    (radio("field", "displacement", "Displacement", false))
-                    @if report.may_touch() { (radio("field", "contactPressure", "Contact", false)) }
-                }
-                label .more {
-                    span .hidden { "Further fields" }
-                    select #more-fields {
-                        option value="" selected { "more …" }
-                        @for (value, name) in MORE_FIELDS { option value=(value) { (name) } }
-                    }
-                }
-                (tick("fit", &format!("fit range to this {}", report.parameter()), false))
-                span .range {
-                    label for="low" { "from" } input #low type="number" step="any" placeholder="auto" aria-label="Least value of the colours";
-                    label for="high" { "to" } input #high type="number" step="any" placeholder="auto" aria-label="Greatest value of the colours";
-                }
-            }
-            fieldset {
-                legend { "Section" }
-                div .segments {
-                    (radio("section", "off", "Off", true))
-                    (radio("section", "x", "x", false)) (radio("section", "y", "y", false)) (radio("section", "z", "z", false))
-                }
-                div .cut {
-                    label .hidden for="cut" { "Position of the section in mm, in the undeformed body" }
-                    input #cut type="range" step="any" disabled;
-                    output #cut-readout for="cut" { "–" }
-                    button #flip type="button" disabled title="Show the other side" { "Flip" }
-                }
-            }
-            fieldset {
-                legend { "Show" }
-                @if report.mirrored() { (tick("whole", "both halves", true)) }
-                @if !report.problem.obstacles.is_empty() { (tick("obstacles", "obstacles", true)) }
-                (tick("ghost", "rest shape", true))
-                (tick("mesh", "mesh", false))
-            }
         }
     }
 }
@@ -340,7 +218,7 @@ mod tests {
         });
         let (before, _) = html.split_once("<main>").unwrap();
         assert!(before.contains("try smaller steps."));
-        assert!(before.contains("The run did not converge") && before.contains("the load step became too small"));
+        assert!(before.contains("The run did not converge") && before.contains("The load step became too small."));
         assert!(!page("t", |_| ()).contains("class=\"notice failure\""));
     }
 
@@ -361,7 +239,7 @@ mod tests {
         let html = crate::render(&report).unwrap();
         assert!(html.contains("<h1>part.inp</h1>") && html.contains("computed to time 0.5"));
         assert!(
-            html.contains("up to <strong>time 0.5</strong>") && html.contains("<strong>time 0.5: </strong>careful")
+            html.contains("up to <strong>time 0.5</strong>") && html.contains("<strong>time 0.5: </strong>careful.")
         );
         assert!(html.contains("Results at the computed times") && html.contains("aria-label=\"Plots against time\""));
         assert!(html.contains("0.000120, 0.000000, 0.000000") && html.contains(">not reached<"));
@@ -376,7 +254,7 @@ mod tests {
             summary["steps"][0]["obstacles"] = json!({"<b>ball": {"force_n": [0.0, 0.0, -1.0], "area_mm2": 3.0}});
         };
         let none = page("t", force);
-        assert!(!none.contains("id=\"obstacles\"") && body_of(&none)["obstacles"].is_null());
+        assert!(!none.contains("data-obstacle") && body_of(&none)["obstacles"].is_null());
 
         let mut problem = two_chambers(Formulation::Hex8Sri);
         let shape = Shape::Sphere { centre: [9.0, 0.0, -8.0], radius: 5.0, is_hollow: false };
@@ -392,11 +270,11 @@ mod tests {
         };
         problem.obstacles.push(ball);
         let html = page_of(problem, "t", force);
-        assert!(html.contains("id=\"obstacles\"") && !html.contains("<b>ball"));
+        assert!(html.contains("data-obstacle=\"0\"") && !html.contains("<b>ball"));
         let drawn = &body_of(&html)["obstacles"][0];
         assert_eq!(
             (&drawn["name"], &drawn["shape"], &drawn["mirrored"]),
-            (&json!("<b>ball"), &json!("sphere"), &json!(false))
+            (&json!("<b>ball"), &json!("sphere"), &json!([false, false, false]))
         );
         assert_eq!((&drawn["centre"], &drawn["size"]), (&json!([9.0, 0.0, -8.0]), &json!([10.0, 10.0, 10.0])));
         assert!(html.contains("force on it x, y, z") && html.contains("0.000, 0.000, −1.000"));

@@ -46,6 +46,11 @@ pub fn integers(values: &[u32]) -> String {
     STANDARD.encode(bytes(values, |x| x.to_le_bytes()))
 }
 
+/// Small whole numbers, 16 bits each.
+pub fn small_integers(values: &[u16]) -> String {
+    STANDARD.encode(bytes(values, |x| x.to_le_bytes()))
+}
+
 /// Single-precision numbers.
 pub fn floats(values: &[f64]) -> String {
     STANDARD.encode(bytes(values, |x| (*x as f32).to_le_bytes()))

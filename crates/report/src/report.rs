@@ -1,6 +1,6 @@
 //! What a report is made of.
 
-use pneuflex_model::{Clock, Problem, SymmetryPlane};
+use pneuflex_model::{Clock, Problem};
 
 use crate::inputs::Group;
 use crate::numbers::number;
@@ -25,14 +25,14 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Whether the body is drawn with its mirror image at y = 0.
-    pub(crate) fn mirrored(&self) -> bool {
-        self.mirror().is_some()
+    /// By axis, whether the body is cut at a plane of symmetry normal to it.
+    pub(crate) fn mirrored(&self) -> [bool; 3] {
+        std::array::from_fn(|axis| self.problem.symmetry.iter().any(|plane| plane.axis == axis))
     }
 
-    /// The plane of symmetry y = 0, if the body is cut there.
-    pub(crate) fn mirror(&self) -> Option<&SymmetryPlane> {
-        self.problem.symmetry.iter().find(|plane| plane.axis == 1 && plane.at == 0.0)
+    /// Nodes in every plane of symmetry.
+    pub(crate) fn symmetry_nodes(&self) -> Vec<&[u32]> {
+        self.problem.symmetry.iter().map(|plane| &self.problem.supports[plane.support].nodes[..]).collect()
     }
 
     /// Whether there are walls that may touch each other.

@@ -126,7 +126,8 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
     };
     let mut columns = Vec::new();
     if !is_model || reached().any(|step| step.end_face_angle_deg.is_some()) {
-        columns.push(one("bending angle", "°", 2, &|step| step.end_face_angle_deg));
+        columns.push(one("end-face angle", "°", 2, &|step| step.end_face_angle_deg));
+        columns.push(one("chord angle", "°", 2, &Reached::chord_angle_deg));
     }
     for name in names(reached().map(|step| step.cavities.keys())) {
         let cavity = |step: &Reached| step.cavities.get(name).copied();

@@ -7,6 +7,7 @@ use pneuflex_post::measures;
 use serde::Serialize;
 
 use crate::error::ReportError;
+use crate::quantities;
 use crate::report::Report;
 use crate::state::State;
 use crate::summary::{Obstacle, Reached};
@@ -41,6 +42,8 @@ pub struct Series {
     pub key_numbers: Vec<Plot>,
     /// The plots in their order.
     pub plots: Vec<Plot>,
+    /// Further quantities, for plots of one over another.
+    pub more: Vec<Plot>,
 }
 
 /// A plot with up to four curves of one unit.
@@ -102,8 +105,10 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
         plot.over = parameters.as_ref().map(axis);
     }
     let on_the_way = report.summary.on_the_way.iter().filter(|step| step.reached.is_some()).count();
-    let series = Series { times, parameters, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots };
-    let of_plots = (series.plots.iter().chain(&series.key_numbers))
+    let more = quantities::more(report.summary);
+    let series =
+        Series { times, parameters, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots, more };
+    let of_plots = (series.plots.iter().chain(&series.key_numbers).chain(&series.more))
         .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
         .flatten();
     let of_lines = series.centrelines.iter().flatten().flatten().flatten();
@@ -133,8 +138,13 @@ impl Collect<'_> {
         let mut key_numbers = Vec::new();
         let mut plots = Vec::new();
         if let Some(angle) = self.column(|reached| reached.end_face_angle_deg) {
-            key_numbers.push(single("bent", "°", angle.clone()));
-            plots.push(single("Bending angle", "°", angle));
+            key_numbers.push(single("end-face angle", "°", angle.clone()));
+            let mut curves = vec![Curve { name: "end face".into(), values: angle }];
+            if let Some(chord) = self.column(Reached::chord_angle_deg) {
+                key_numbers.push(single("chord angle", "°", chord.clone()));
+                curves.push(Curve { name: "chord".into(), values: chord });
+            }
+            plots.extend(grouped("Bending angle", "°", curves));
         }
         if is_model {
             let displacements = self.displacements();
@@ -151,7 +161,10 @@ impl Collect<'_> {
             let force = |force: &[f64; 3]| Some(length(*force));
             let mut reactions = self.named(|reached| &reached.reactions, force);
             reactions.sort_by(|a, b| largest(&b.values).total_cmp(&largest(&a.values)));
-            let least = ROUNDING * reactions.first().map_or(0.0, |curve| largest(&curve.values));
+            let forces = self.named(|reached| &reached.obstacles, |obstacle| obstacle.force_n.map(length));
+            let across = self.named(|reached| &reached.symmetry_reactions, force);
+            let all = reactions.iter().chain(&forces).chain(&across);
+            let least = ROUNDING * all.map(|curve| largest(&curve.values)).fold(0.0, f64::max);
             reactions.retain(|curve| largest(&curve.values) > least);
             reactions.truncate(CURVES);
             plots.extend(grouped("Reaction", "N", reactions));

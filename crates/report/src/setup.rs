@@ -5,10 +5,12 @@ use pneuflex_mesh::{Facet, Mesh};
 use serde::Serialize;
 
 use crate::body::Body;
+use crate::controls::stage;
 use crate::error::ReportError;
-use crate::page::{document, stage};
+use crate::page::document;
 use crate::payload::{centre, for_script};
 use crate::quantise::floats;
+use crate::regions::Regions;
 use crate::skin::Skin;
 
 /// What would be solved.
@@ -73,7 +75,7 @@ pub fn render(setup: &Setup<'_>) -> Result<String, ReportError> {
     let origin = centre(&mesh.nodes);
     let place = |node: u32| std::array::from_fn::<f64, 3, _>(|d| mesh.nodes[node as usize][d] - origin[d]);
     let points = |nodes: &mut dyn Iterator<Item = u32>| floats(&nodes.flat_map(place).collect::<Vec<f64>>());
-    let skin = Skin::new(mesh, &[], &[], &Body::new(mesh));
+    let skin = Skin::new(mesh, &[], &[], &Regions::default(), &Body::new(mesh));
     let data = Data {
         body: points(&mut mesh.boundary_facets().iter().flat_map(|&facet| corners_of_triangles(mesh, facet))),
         // Edges of the body as it is drawn may run over nodes that the mesh lacks.

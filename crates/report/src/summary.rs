@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use pneuflex_model::StateKind;
+use pneuflex_post::measures;
 use serde::Deserialize;
 
 use crate::comparison::Comparison;
@@ -294,6 +295,13 @@ pub struct Warning {
     /// What to do about it.
     #[serde(default)]
     pub advice: String,
+}
+
+impl Reached {
+    /// Angle of the chord from the clamp to the tip, degrees, positive downwards; none for a body without a centreline.
+    pub fn chord_angle_deg(&self) -> Option<f64> {
+        measures::angle_of_chord_deg(&self.centreline)
+    }
 }
 
 impl Step {

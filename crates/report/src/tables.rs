@@ -16,8 +16,8 @@ pub fn notices(report: &Report<'_>) -> Markup {
         @if !summary.is_converged() && !summary.is_past_limit() {
             section .notice .failure role="alert" {
                 h2 { (status_text(summary)) }
-                @if let Some(failure) = &summary.failure { p { (failure) } }
-                @if let Some(reason) = &summary.failure_reason { p { "What to try: " (reason.advice) "." } }
+                @if let Some(failure) = &summary.failure { p { (marked(&sentence(failure))) } }
+                @if let Some(reason) = &summary.failure_reason { p { "What to try: " (marked(&ended(&reason.advice))) } }
                 @match reached {
                     Some(reached) if on_the_way => p {
                         "Everything below shows what was reached. The last shape, at " strong { (reached) }
@@ -41,10 +41,38 @@ pub fn notices(report: &Report<'_>) -> Markup {
 fn warning_item(report: &Report<'_>, warning: &Warning) -> Markup {
     html! {
         li {
-            @if let Some(time) = warning.time.or(warning.pressure_kpa) { strong { (report.words(time)) ": " } }
-            (warning.message)
-            @if !warning.advice.is_empty() { span .advice { " " (warning.advice) } }
+            @match warning.time.or(warning.pressure_kpa).map(|time| report.words(time)) {
+                // Many messages say themselves from when on they hold.
+                Some(words) if !warning.message.contains(&words) => { strong { (words) ": " } (marked(&ended(&warning.message))) },
+                _ => (marked(&sentence(&warning.message))),
+            }
+            @if !warning.advice.is_empty() { span .advice { " " (marked(&sentence(&warning.advice))) } }
         }
+    }
+}
+
+/// A text in which what stands between backticks is code.
+fn marked(text: &str) -> Markup {
+    html! {
+        @for (number, piece) in text.split('`').enumerate() {
+            @if number % 2 == 1 { code { (piece) } } @else { (piece) }
+        }
+    }
+}
+
+/// A text with a full stop at its end.
+fn ended(text: &str) -> String {
+    let text = text.trim_end();
+    if text.is_empty() || text.ends_with(['.', '!', '?']) { text.to_owned() } else { format!("{text}.") }
+}
+
+/// A text as a sentence: with a capital, unless it begins with a name of the input or a number, and a full stop.
+fn sentence(text: &str) -> String {
+    let first = text.split_whitespace().next().unwrap_or_default();
+    let is_word = first.trim_end_matches([',', ':', ';']).chars().all(|letter| letter.is_lowercase() || letter == '-');
+    match text.chars().next() {
+        Some(letter) if is_word => ended(&format!("{}{}", letter.to_uppercase(), &text[letter.len_utf8()..])),
+        _ => ended(text),
     }
 }
 
@@ -150,6 +178,30 @@ pub fn inputs(report: &Report<'_>) -> Markup {
                     }
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_is_marked_and_markup_of_others_is_none() {
+        assert_eq!(marked("let `a <b>` be").into_string(), "let <code>a &lt;b&gt;</code> be");
+    }
+
+    #[test]
+    fn messages_are_sentences_and_names_stay_what_they_are() {
+        for (text, expected) in [
+            ("two walls touch", "Two walls touch."),
+            ("é, so be it!", "É, so be it!"),
+            ("max_step_kpa is large", "max_step_kpa is large."),
+            ("load.pressure_kpa: too much", "load.pressure_kpa: too much."),
+            ("2 elements are flat", "2 elements are flat."),
+            ("", ""),
+        ] {
+            assert_eq!(sentence(text), expected);
         }
     }
 }

@@ -160,6 +160,34 @@ impl Browser {
         event("mouseReleased", last, 0)
     }
 
+    /// Moves the pointer to a place.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn hover(&mut self, [x, y]: [f64; 2]) -> Result<(), String> {
+        self.call("Input.dispatchMouseEvent", &json!({"type": "mouseMoved", "x": x, "y": y})).map(drop)
+    }
+
+    /// Turns the wheel at a place, by pixels downwards.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn wheel(&mut self, [x, y]: [f64; 2], down: f64) -> Result<(), String> {
+        let parameters = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": down});
+        self.call("Input.dispatchMouseEvent", &parameters).map(drop)
+    }
+
+    /// Chooses a file for an input.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn choose_file(&mut self, selector: &str, file: &Path) -> Result<(), String> {
+        let expression = format!("document.querySelector({selector:?})");
+        let found = self.call("Runtime.evaluate", &json!({"expression": expression}))?;
+        let parameters = json!({"files": [file.display().to_string()], "objectId": found["result"]["objectId"]});
+        self.call("DOM.setFileInputFiles", &parameters).map(drop)
+    }
+
     /// Presses a key, e.g. `ArrowDown`, with what has the focus.
     ///
     /// # Errors
@@ -195,6 +223,19 @@ impl Browser {
     /// The browser's.
     pub fn tap(&mut self, [x, y]: [f64; 2]) -> Result<(), String> {
         self.call("Input.dispatchTouchEvent", &json!({"type": "touchStart", "touchPoints": [{"x": x, "y": y}]}))?;
+        self.call("Input.dispatchTouchEvent", &json!({"type": "touchEnd", "touchPoints": []})).map(drop)
+    }
+
+    /// Moves a finger along places.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn swipe(&mut self, places: &[[f64; 2]]) -> Result<(), String> {
+        for (number, [x, y]) in places.iter().enumerate() {
+            let kind = if number == 0 { "touchStart" } else { "touchMove" };
+            let points = json!([{"x": x, "y": y}]);
+            self.call("Input.dispatchTouchEvent", &json!({"type": kind, "touchPoints": points}))?;
+        }
         self.call("Input.dispatchTouchEvent", &json!({"type": "touchEnd", "touchPoints": []})).map(drop)
     }
 

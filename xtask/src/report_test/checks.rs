@@ -1,43 +1,13 @@
-//! What is done with the page, and what has to come of it.
+//! What is done with the page of an actuator, and what has to come of it.
 
 use std::fs;
 use std::path::Path;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::Results;
 use super::browser::Browser;
-
-/// A device the page is looked at on.
-pub struct Screen {
-    /// Name of the pictures.
-    pub name: &'static str,
-    width: u32,
-    height: u32,
-    is_phone: bool,
-    scheme: &'static str,
-}
-
-/// Desk and phone, light and dark.
-pub const SCREENS: [Screen; 4] = [
-    Screen { name: "desktop-light", width: 1400, height: 900, is_phone: false, scheme: "light" },
-    Screen { name: "desktop-dark", width: 1400, height: 900, is_phone: false, scheme: "dark" },
-    Screen { name: "phone-light", width: 390, height: 844, is_phone: true, scheme: "light" },
-    Screen { name: "phone-dark", width: 390, height: 844, is_phone: true, scheme: "dark" },
-];
-
-/// mm by which positions in the page may differ from those of the summary: well above the 16-bit steps of displacements of
-/// 100 mm, far below what anybody looks at.
-const TOLERANCE: f64 = 2e-3;
-
-struct Visit<'a> {
-    browser: &'a mut Browser,
-    screen: &'a Screen,
-    results: &'a Results,
-    pictures: &'a Path,
-}
+use super::visit::{SCREENS, Screen, TOLERANCE, Visit, distance, expect};
 
 /// Opens the report on a screen and uses it like somebody who wants to know.
 ///
@@ -49,137 +19,26 @@ pub fn look(browser: &mut Browser, screen: &Screen, results: &Results, pictures:
     visit.picture("1-first-look")?;
     let tip = visit.probe()?;
     visit.slider(&tip)?;
+    visit.keys_of_slider()?;
+    visit.play()?;
     visit.legend()?;
     visit.more_fields()?;
     visit.range()?;
+    visit.ticks()?;
     visit.without_perspective()?;
+    visit.snapshot()?;
+    visit.photo()?;
     visit.plots()?;
+    visit.pointer_on_plots()?;
     visit.film()?;
     visit.section()?;
+    visit.cut()?;
+    visit.close_readings()?;
+    visit.views()?;
     visit.theme()?;
     visit.whole_page()?;
     let complaints = visit.browser.complaints()?;
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
-}
-
-/// Opens the report of the two blocks of `fixtures/decks` on a screen: the same page with the time in place of the pressure.
-///
-/// # Errors
-/// The first thing that is not as it should be.
-pub fn look_at_blocks(
-    browser: &mut Browser,
-    screen: &Screen,
-    results: &Results,
-    pictures: &Path,
-) -> Result<(), String> {
-    let mut visit = Visit { browser, screen, results, pictures };
-    visit.open()?;
-    visit.picture("7-blocks")?;
-    let said = [visit.text("#time-readout")?, visit.text("#origin")?, visit.text("#ticks")?].join(" ");
-    expect(said.split_whitespace().eq(["time", "1.00", "computed", "0", "1"]), || format!("the slider says {said:?}"))?;
-    let plots = visit.text("#plots")?;
-    let force = results.summary["steps"][0]["reactions"]["RAM"].as_array().ok_or("no reaction of the ram")?;
-    let force = force.iter().filter_map(Value::as_f64).map(|f| f * f).sum::<f64>().sqrt();
-    expect(plots.contains(&format!("RAM\n{force:.2} N")) && !plots.contains("Bending"), || format!("plots: {plots}"))?;
-
-    visit.browser.evaluate("document.getElementById('time').scrollIntoView({block: 'center'})")?;
-    let [left, top, width, height] = visit.area("#time")?;
-    let at = |share: f64| [left + 10.0 + share * (width - 20.0), top + height / 2.0];
-    visit.browser.drag(&[at(1.0), at(0.8), at(0.5)])?;
-    let time = visit.browser.numbers("[pneuflex.time]")?[0];
-    let origin = visit.text("#origin")?;
-    expect((time - 0.5).abs() < 0.05 && origin == "interpolated between 0 and 1", || {
-        format!("the slider was dragged to {time}: {origin}")
-    })?;
-    // In the middle of the view there is something to read, at half the way of the ram.
-    visit.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
-    let [left, top, width, height] = visit.area("#canvas")?;
-    visit.press([left + width / 2.0, top + height / 2.0])?;
-    let moved = visit.browser.numbers("pneuflex.reading?.displacement ?? []")?;
-    expect(moved.len() == 3 && (0.0..1.0).contains(&distance(&moved, &[0.0; 3])), || {
-        format!("a click reads {moved:?}")
-    })?;
-    visit.click("#ticks button:last-child")?;
-    visit.click("input[value=contactPressure] + span")?;
-    let highest = visit.browser.numbers("pneuflex.legend")?.pop().unwrap_or(0.0);
-    expect(highest > 0.0, || "there is no contact".to_owned())?;
-    visit.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
-    visit.picture("8-blocks-contact")?;
-    let complaints = visit.browser.complaints()?;
-    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
-}
-
-/// Opens the report of the actuator that bends onto the ball of `fixtures/grip_sphere.toml` on a screen: the ball is there, in nobody's
-/// way, and the plot shows the force on it.
-///
-/// # Errors
-/// The first thing that is not as it should be.
-pub fn look_at_the_ball(
-    browser: &mut Browser,
-    screen: &Screen,
-    results: &Results,
-    pictures: &Path,
-) -> Result<(), String> {
-    let mut visit = Visit { browser, screen, results, pictures };
-    visit.open()?;
-    visit.picture("9-ball")?;
-    let centre = visit.browser.numbers("pneuflex.obstacles[0].centre")?;
-    expect(distance(&centre, &[25.0, 0.0, -17.0]) < 1e-4, || format!("the ball is at {centre:?}"))?;
-    let last = results.summary["steps"].as_array().and_then(|steps| steps.last()).ok_or("no steps")?;
-    let force = last["obstacles"]["ball"]["force_n"].as_array().ok_or("no force on the ball")?;
-    let force: Vec<f64> = force.iter().filter_map(Value::as_f64).collect();
-    let whole = force[0].hypot(force[2]);
-    let plots = visit.text("#plots")?;
-    expect(plots.contains(&format!("ball\n{whole:.3} N")), || format!("no force of {whole} N: {plots}"))?;
-
-    // Seen from the side, there is nothing behind the ball to read; seen from below, there is the body.
-    visit.click("[data-view=side]")?;
-    let reads = "pneuflex.reading?.displacement ?? []";
-    visit.press_on_ball()?;
-    expect(visit.browser.numbers(reads)?.is_empty(), || "a click on the ball reads something".to_owned())?;
-    visit.browser.evaluate(
-        "for (let i = 0; i < 14; i++) \
-         document.getElementById('canvas').dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowDown'}))",
-    )?;
-    visit.until_drawn()?;
-    visit.press_on_ball()?;
-    visit.picture("10-ball-from-below")?;
-    expect(visit.browser.numbers(reads)?.len() == 3, || "the ball is in the way of a click".to_owned())?;
-    visit.click("#obstacles + span")?;
-    let left = visit.browser.numbers("[pneuflex.obstacles.length]")?;
-    expect(left == [0.0], || "the ball stays when it is switched off".to_owned())?;
-    let complaints = visit.browser.complaints()?;
-    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
-}
-
-/// Where there are no three-dimensional graphics, the page says so and shows the rest.
-///
-/// # Errors
-/// It does not.
-pub fn without_graphics(browser: &mut Browser, results: &Results) -> Result<(), String> {
-    open(browser, results)?;
-    let state = browser.evaluate(
-        "[document.getElementById('no-view').checkVisibility(), document.getElementById('canvas').checkVisibility(), \
-         document.querySelectorAll('#plots svg').length, document.querySelectorAll('.results tbody tr').length]",
-    )?;
-    let steps = results.summary["steps"].as_array().map_or(0, Vec::len);
-    expect(state == json!([true, false, 6, steps]), || format!("notice, canvas, plots and rows are {state}"))?;
-    let complaints = browser.complaints()?;
-    expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
-}
-
-fn open(browser: &mut Browser, results: &Results) -> Result<(), String> {
-    let page = results.folder.join("report.html");
-    browser.call("Page.navigate", &json!({"url": format!("file://{}", page.display())}))?;
-    browser.wait_for("window.pneuflex && document.readyState === 'complete'")
-}
-
-fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
-    if holds { Ok(()) } else { Err(otherwise()) }
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The tip's node, and what the summary says of it at the highest pressure.
@@ -190,22 +49,6 @@ struct Tip {
 }
 
 impl Visit<'_> {
-    fn open(&mut self) -> Result<(), String> {
-        let Screen { width, height, is_phone, scheme, .. } = *self.screen;
-        let scale = if is_phone { 2 } else { 1 };
-        let size = json!({"width": width, "height": height, "deviceScaleFactor": scale, "mobile": is_phone});
-        self.browser.call("Emulation.setDeviceMetricsOverride", &size)?;
-        let touch = json!({"enabled": is_phone, "maxTouchPoints": 2});
-        self.browser.call("Emulation.setTouchEmulationEnabled", &touch)?;
-        let features = json!({"features": [
-            {"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": "reduce"}
-        ]});
-        self.browser.call("Emulation.setEmulatedMedia", &features)?;
-        open(self.browser, self.results)?;
-        let wide = self.browser.evaluate("document.documentElement.scrollWidth - innerWidth")?;
-        expect(wide.as_i64() <= Some(0), || format!("the page is {wide} pixels wider than the screen"))
-    }
-
     fn tip(&self) -> Result<Tip, String> {
         let summary = &self.results.summary;
         let node = summary["probes"]["tip"]["node"].as_u64().ok_or("the case has no probe `tip`")? as usize;
@@ -214,13 +57,6 @@ impl Visit<'_> {
         let u = last["probes"]["tip"].as_array().ok_or("no displacement of the tip")?;
         let displacement = u.iter().filter_map(Value::as_f64).collect();
         Ok(Tip { node, at: self.results.mesh()?.nodes[node], displacement })
-    }
-
-    /// Clicks the centre of the first obstacle.
-    fn press_on_ball(&mut self) -> Result<(), String> {
-        self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})")?;
-        let place = self.browser.numbers("pneuflex.obstacles[0].onPage")?;
-        self.press(place.try_into().map_err(|_| "the ball is nowhere on the page".to_owned())?)
     }
 
     /// Clicks the tip in the section along the body and reads its displacement.
@@ -317,7 +153,7 @@ impl Visit<'_> {
             .browser
             .evaluate("[...document.querySelectorAll('#more-fields option')].slice(1).map((o) => o.value)")?;
         let names: Vec<String> = serde_json::from_value(names).map_err(|e| e.to_string())?;
-        expect(names.len() == 11, || format!("the further fields are {names:?}"))?;
+        expect(names.len() == 12, || format!("the further fields are {names:?}"))?;
         self.browser.evaluate("document.getElementById('more-fields').focus()")?;
         for name in &names {
             self.browser.key("ArrowDown", 40)?;
@@ -333,6 +169,9 @@ impl Visit<'_> {
                 ["ux", "uy", "uz"].iter().position(|component| component == name).map(|d| tip.displacement[d]);
             expect(expected.is_none_or(|u| (value - u).abs() < TOLERANCE), || {
                 format!("{name} of the tip is {value}, not {expected:?}")
+            })?;
+            expect(name != "thickness" || (-0.9..0.9).contains(&value), || {
+                format!("the thickness at the tip changes by {value}")
             })?;
             expect(name != "stretch" || low >= 1.0 - 0.01 && value > 0.99, || format!("stretch {value} from {low}"))?;
             if ["uz", "stretch", "sxx"].contains(&name.as_str()) {
@@ -410,17 +249,18 @@ impl Visit<'_> {
                 .last()
                 .map(|line| line.split(',').filter_map(|x| x.parse::<f64>().ok()).collect::<Vec<_>>());
             let expected = [&last["pressure_kpa"], &last["end_face_angle_deg"]].map(|x| x.as_f64().unwrap_or(f64::NAN));
-            let is_last = numbers.as_ref().is_some_and(|found| found.len() == 2 && distance(found, &expected) < 1e-6);
-            expect(is_last && text.starts_with("\"pressure, kPa\",Bending angle"), || {
+            let is_last =
+                numbers.as_ref().is_some_and(|found| found.len() == 3 && distance(&found[..2], &expected) < 1e-6);
+            expect(is_last && text.starts_with("\"pressure, kPa\",Bending angle: end face"), || {
                 format!("the numbers are {text:?}")
             })?;
         }
-        let before = self.text("#plots .own figcaption")?;
+        let before = self.text(".plots .own figcaption")?;
         self.browser.evaluate("document.getElementById('own-y').focus()")?;
         self.browser.key("ArrowDown", 40)?;
         let name = self.browser.evaluate("document.getElementById('own-y').selectedOptions[0].text")?;
-        let after = self.text("#plots .own figcaption")?;
-        let curves = self.browser.numbers("[document.querySelectorAll('#plots .own svg .line').length]")?;
+        let after = self.text(".plots .own figcaption")?;
+        let curves = self.browser.numbers("[document.querySelectorAll('.plots .own svg .line').length]")?;
         expect(before != after && after.starts_with(name.as_str().unwrap_or("?")) && curves == [1.0], || {
             format!("{name} is chosen, and the plot is {after:?} with {curves:?} curves")
         })
@@ -443,30 +283,12 @@ impl Visit<'_> {
         expect(at[0] == at[1], || format!("after the film the slider is at {}", at[0]))
     }
 
-    /// The bytes of a file that the page saves.
-    fn saved(&mut self, folder: &Path, ending: &str) -> Result<Vec<u8>, String> {
-        for _ in 0..200 {
-            let entries = fs::read_dir(folder).map_err(|e| e.to_string())?.flatten();
-            if let Some(file) =
-                entries.map(|entry| entry.path()).find(|path| path.extension().is_some_and(|e| e == ending))
-            {
-                return fs::read(file).map_err(|e| e.to_string());
-            }
-            std::thread::sleep(std::time::Duration::from_millis(50));
-        }
-        Err(format!("no .{ending} was saved"))
-    }
-
-    fn show_stage(&mut self) -> Result<(), String> {
-        self.browser.evaluate("document.getElementById('stage').scrollIntoView({block: 'center'})").map(drop)
-    }
-
     fn section(&mut self) -> Result<(), String> {
         self.click("[data-view=iso]")?;
         self.click("#whole + span")?;
         for axis in ["x", "z", "y"] {
             self.click(&format!("input[name=section][value={axis}] + span"))?;
-            let triangles = self.browser.numbers("[pneuflex.section.triangles]")?[0];
+            let triangles = self.browser.numbers("pneuflex.section.triangles")?[0];
             expect(triangles > 20.0, || format!("a section across {axis} has {triangles} triangles"))?;
         }
         self.browser.evaluate("document.getElementById('stage').scrollIntoView()")?;
@@ -491,53 +313,5 @@ impl Visit<'_> {
     fn whole_page(&mut self) -> Result<(), String> {
         self.browser.evaluate("scrollTo(0, 0)")?;
         self.capture("6-page", true)
-    }
-
-    /// Clicks the middle of an element.
-    fn click(&mut self, selector: &str) -> Result<(), String> {
-        self.browser.evaluate(&format!("document.querySelector({selector:?}).scrollIntoView({{block: 'center'}})"))?;
-        let [left, top, width, height] = self.area(selector)?;
-        self.press([left + width / 2.0, top + height / 2.0])
-    }
-
-    /// A click, or on a phone a tap.
-    fn press(&mut self, place: [f64; 2]) -> Result<(), String> {
-        if self.screen.is_phone {
-            self.browser.tap(place)?
-        } else {
-            self.browser.drag(&[place])?
-        }
-        self.until_drawn()
-    }
-
-    /// Waits until the page shows what was asked of it; the camera is not where it should be before.
-    fn until_drawn(&mut self) -> Result<(), String> {
-        let drawn = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))";
-        self.browser.evaluate(drawn).map(drop)
-    }
-
-    fn area(&mut self, selector: &str) -> Result<[f64; 4], String> {
-        let expression = format!(
-            "(() => {{ const r = document.querySelector({selector:?}).getBoundingClientRect(); \
-             return [r.left, r.top, r.width, r.height]; }})()"
-        );
-        self.browser.numbers(&expression)?.try_into().map_err(|_| format!("{selector} has no area"))
-    }
-
-    fn text(&mut self, selector: &str) -> Result<String, String> {
-        let text = self.browser.evaluate(&format!("document.querySelector({selector:?}).innerText"))?;
-        text.as_str().map(|t| t.trim().to_owned()).ok_or_else(|| format!("{selector} has no text"))
-    }
-
-    fn picture(&mut self, stage: &str) -> Result<(), String> {
-        self.capture(stage, false)
-    }
-
-    fn capture(&mut self, stage: &str, whole: bool) -> Result<(), String> {
-        let shot =
-            self.browser.call("Page.captureScreenshot", &json!({"format": "png", "captureBeyondViewport": whole}))?;
-        let bytes = STANDARD.decode(shot["data"].as_str().unwrap_or_default()).map_err(|e| e.to_string())?;
-        let file = self.pictures.join(format!("{}-{stage}.png", self.screen.name));
-        fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))
     }
 }

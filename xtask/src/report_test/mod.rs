@@ -1,11 +1,15 @@
 //! `cargo xtask report-test`: the report of a run in a real browser, with a real mouse.
 //!
-//! The program solves two chambers, from a deck two blocks, and an actuator that bends onto a ball; Chromium opens the reports from disk, at the size of a desk and of
+//! The program solves two chambers, from a deck two blocks, an actuator that bends onto a ball, a chamber with a stiff layer, and a quarter of
+//! a cylinder; Chromium opens the reports from disk, at the size of a desk and of
 //! a phone, light and dark. Values read by clicks are compared with `summary.json`. Pictures of every stage are left in
 //! `target/report-test`.
 
+mod bodies;
 mod browser;
 mod checks;
+mod controls;
+mod visit;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -65,29 +69,42 @@ fn test(folder: Option<&Path>) -> Result<PathBuf, String> {
     })?;
 
     let mut browser = Browser::start(&chromium, &target.join("profile"), &SOFTWARE)?;
-    for screen in &checks::SCREENS {
+    for screen in &visit::SCREENS {
         checks::look(&mut browser, screen, &results, &target).map_err(|e| format!("{}: {e}", screen.name))?;
         println!("report-test: {} passed", screen.name);
     }
     if folder.is_none() {
         let blocks = solve(&program, &root.join("fixtures/decks/blocks.inp"), &target.join("blocks"))?;
-        let blocks = Results { mesh: None, summary: read_summary(&blocks)?, folder: blocks };
-        for screen in &checks::SCREENS {
-            let looked = checks::look_at_blocks(&mut browser, screen, &blocks, &target);
+        let blocks = Results::of_body(blocks)?;
+        for screen in &visit::SCREENS {
+            let looked = bodies::look_at_blocks(&mut browser, screen, &blocks, &target);
             looked.map_err(|e| format!("blocks, {}: {e}", screen.name))?;
         }
         println!("report-test: two blocks passed");
         let ball = solve(&program, &root.join("fixtures/grip_sphere.toml"), &target.join("ball"))?;
         let ball = Results::of(ball)?;
-        for screen in &checks::SCREENS {
-            let looked = checks::look_at_the_ball(&mut browser, screen, &ball, &target);
+        for screen in &visit::SCREENS {
+            let looked = bodies::look_at_the_ball(&mut browser, screen, &ball, &target);
             looked.map_err(|e| format!("ball, {}: {e}", screen.name))?;
         }
         println!("report-test: an actuator on a ball passed");
+        let layer = solve(&program, &root.join("fixtures/models/strain_limited.toml"), &target.join("layer"))?;
+        let layer = Results::of_body(layer)?;
+        for screen in &visit::SCREENS {
+            let looked = bodies::look_at_materials(&mut browser, screen, &layer, &target);
+            looked.map_err(|e| format!("layer, {}: {e}", screen.name))?;
+        }
+        println!("report-test: a body of two materials passed");
+        let quarter = Results::of_body(solve(&program, &quarter(&root, &target)?, &target.join("quarter"))?)?;
+        for screen in &visit::SCREENS {
+            let looked = bodies::look_at_a_quarter(&mut browser, screen, &quarter, &target);
+            looked.map_err(|e| format!("quarter, {}: {e}", screen.name))?;
+        }
+        println!("report-test: a quarter passed");
     }
     drop(browser);
     let mut browser = Browser::start(&chromium, &target.join("profile-flat"), &["--disable-gpu", "--disable-3d-apis"])?;
-    checks::without_graphics(&mut browser, &results).map_err(|e| format!("without WebGL: {e}"))?;
+    bodies::without_graphics(&mut browser, &results).map_err(|e| format!("without WebGL: {e}"))?;
     println!("report-test: without WebGL passed");
     drop(browser);
     for profile in ["profile", "profile-flat"] {
@@ -106,6 +123,20 @@ fn solve(program: &Path, case: &Path, folder: &Path) -> Result<PathBuf, String> 
     }
 }
 
+/// The model of the crushed cylinder of `fixtures/cases`, a quarter, with its planes of symmetry declared.
+fn quarter(root: &Path, target: &Path) -> Result<PathBuf, String> {
+    let cases = root.join("fixtures/cases");
+    let mut text = read(&cases, "crushed_cylinder.toml")?;
+    for axis in ["x", "y"] {
+        text = text.replace(&format!("axes = \"{axis}\"\n"), &format!("axes = \"{axis}\"\nsymmetry = true\n"));
+    }
+    let deck = fs::canonicalize(cases.join("crushed_cylinder.inp")).map_err(|e| e.to_string())?;
+    text = text.replace("crushed_cylinder.inp", &deck.display().to_string());
+    let file = target.join("quarter.toml");
+    fs::write(&file, text).map_err(|e| format!("{}: {e}", file.display()))?;
+    Ok(file)
+}
+
 fn view(program: &Path, folder: &Path) -> Result<PathBuf, String> {
     let status = Command::new(program).arg("view").arg(folder).status();
     match status {
@@ -121,6 +152,11 @@ impl Results {
         let case: Case = toml::from_str(&read(&folder, "case.toml")?).map_err(|e| format!("case.toml: {e}"))?;
         let problem = Problem::from_case(&case).map_err(|e| format!("case.toml: {e}"))?;
         Ok(Self { folder, summary, mesh: Some(problem.mesh) })
+    }
+
+    /// Those of a body that is no actuator's.
+    fn of_body(folder: PathBuf) -> Result<Self, String> {
+        Ok(Self { mesh: None, summary: read_summary(&folder)?, folder })
     }
 
     fn mesh(&self) -> Result<&Mesh, String> {

@@ -69,4 +69,13 @@ mod tests {
         }
         assert_eq!((viridis(-1.0), viridis(2.0)), (Colour(VIRIDIS[0]), Colour(VIRIDIS[32])));
     }
+    /// The report draws in a browser, from a table of its own.
+    #[test]
+    fn the_report_has_the_same_colours() {
+        let script = include_str!("../../../report/assets/js/colours.js");
+        let words =
+            script.split("size: `").nth(1).unwrap().split_whitespace().map(|word| word.trim_end_matches(['`', ',']));
+        let found: Vec<&str> = words.take(VIRIDIS.len()).collect();
+        assert_eq!(found, VIRIDIS.map(|[r, g, b]| format!("{r:02x}{g:02x}{b:02x}")));
+    }
 }

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 VERSION: str
@@ -145,6 +146,13 @@ def template(chambers: int) -> str: ...
 def available_memory() -> float | None: ...
 def read_field_file(path: str | PathLike[str]) -> FieldFile: ...
 def report_page(folder: str | PathLike[str]) -> str: ...
+def export(folder: str | PathLike[str], to: str, out: str | PathLike[str], asked: str) -> list[Path]: ...
+def compare(
+    folder: str | PathLike[str],
+    table: str | PathLike[str],
+    line: str | None,
+    fit: list[str],
+) -> tuple[str, str]: ...
 def read_curves(
     path: str | PathLike[str],
     test: str | None,

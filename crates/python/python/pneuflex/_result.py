@@ -10,7 +10,8 @@ import os
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, overload
@@ -578,6 +579,70 @@ class Result(Sequence[State]):
 
     # --- for others
 
+    def export(
+        self,
+        to: str,
+        out: str | os.PathLike[str],
+        *,
+        at: float | None = None,
+        colour: str | None = None,
+        range: tuple[float, float] | None = None,
+        view: str | None = None,
+        width: float | None = None,
+        pictures: int | None = None,
+        wall: float | None = None,
+    ) -> list[Path]:
+        """Writes the result in the format of another program, as ``pneuflex export`` does, and returns the files.
+
+        Parameters
+        ----------
+        to : str
+            ``stl``, ``obj``: the surface; ``glb``: the body in motion; ``csv``, ``npz``: fields; ``vtk``, ``msh``: the mesh at rest, for SOFA and
+            MuJoCo; ``gif``, ``mp4``: a film; ``png``: a folder of its pictures; ``mould``: a folder with a mould's parts.
+        out : path
+            The file, or the folder.
+        at : float, optional
+            Pressure, kPa, or time of the state, where the format is one of a state; the last one unless told otherwise.
+        colour, range
+            ``von-mises``, ``displacement``, ``contact`` or ``none``, and the ends of the colours.
+        view, width, pictures
+            Of a film: ``iso``, ``section`` or ``side``, pixels, and how many pictures.
+        wall : float, optional
+            Thickness of a mould's walls, mm.
+
+        Raises
+        ------
+        InputError
+            For what the format has no use for, and for results without fields.
+        """
+        asked = {"at": at, "colour": colour, "range": range, "view": view, "width": width, "pictures": pictures, "wall": wall}
+        with self._recorded() as folder:
+            return _native.export(folder, to, Path(out), json.dumps(asked))
+
+    def compare(
+        self,
+        measured: str | os.PathLike[str],
+        *,
+        line: str | None = None,
+        fit: Iterable[str] = (),
+    ) -> dict[str, Any]:
+        """Compares the result with a table of measurements (CSV), as ``pneuflex compare`` does, and returns what `comparison.json` says: in ``kinds`` the
+        ``rms`` and the ``largest`` difference of every kind, ``alignment`` if something was fitted; and ``picture``, an SVG file's text.
+
+        Parameters
+        ----------
+        measured : path
+            Columns ``pressure_kpa`` or ``time``; points ``x_mm``, ``z_mm``, and columns of :meth:`State.numbers`.
+        line : str, optional
+            What points are compared with: ``bottom``, or ``outline``.
+        fit : iterable of str
+            What is fitted before: ``scale``, ``rotation``, ``offset``.
+        """
+        with self._recorded() as folder:
+            text, picture = _native.compare(folder, Path(measured), line, list(fit))
+        found: dict[str, Any] = json.loads(text)
+        return {**found, "picture": picture}
+
     def to_dataframe(self) -> Any:
         """The states as a `pandas.DataFrame`, one row for each, units in the names of the columns."""
         try:
@@ -648,13 +713,19 @@ class Result(Sequence[State]):
         assert self.folder is not None
         _check_states(self.folder, "steps", 0, [state.summary for state in self.states])
 
-    def _make_page(self) -> str:
+    @contextmanager
+    def _recorded(self) -> Iterator[Path]:
+        """A folder that holds this run: its own, or one that goes afterwards."""
         if self.folder is not None:
-            page = _native.report_page(self.folder)
+            yield self.folder
             self._check_folder()
-            return page
+            return
         with tempfile.TemporaryDirectory(prefix="pneuflex-") as folder:
             self._save(Path(folder))
+            yield Path(folder)
+
+    def _make_page(self) -> str:
+        with self._recorded() as folder:
             return _native.report_page(folder)
 
 

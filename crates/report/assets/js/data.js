@@ -15,6 +15,9 @@ function bytesOf(base64) {
 /** Whole numbers. */
 export const integers = (base64) => new Uint32Array(bytesOf(base64));
 
+/** Small whole numbers. */
+export const smallIntegers = (base64) => new Uint16Array(bytesOf(base64));
+
 /** Single-precision numbers. */
 export const floats = (base64) => new Float32Array(bytesOf(base64));
 

@@ -3,27 +3,29 @@
 import { gradient } from "pneuflex/colours";
 import { short, tickTexts, ticks } from "pneuflex/format";
 
-const component = (kind, of, unit, index, isOdd) => ({ name: `${kind} ${of}`, unit, scale: 1, map: "signed", index, isOdd });
+const component = (kind, of, unit, index, odd) => ({ name: `${kind} ${of}`, unit, scale: 1, map: "signed", index, odd });
 
 /**
  * What can be shown in colour. `scale` turns the stored unit into the shown one; `map` is the colour map; `index` the component of the
- * displacement or stress; `isOdd` says that the field has the opposite sign in a mirrored half.
+ * displacement or stress; `odd` are the axes along which a mirror image has the opposite sign; `isOfSurface` says that there is no value
+ * inside of the body.
  */
 export const FIELDS = {
-  vonMises: { name: "von Mises stress", unit: "MPa", scale: 1, map: "vonMises" },
-  displacement: { name: "Displacement", unit: "mm", scale: 1, map: "displacement" },
-  contactPressure: { name: "Contact pressure", unit: "kPa", scale: 1000, map: "contactPressure" },
-  ux: component("Displacement", "along x", "mm", 0, false),
-  uy: component("Displacement", "along y", "mm", 1, true),
-  uz: component("Displacement", "along z", "mm", 2, false),
-  stretch: { name: "Largest stretch", unit: "", scale: 1, map: "vonMises" },
+  vonMises: { name: "von Mises stress", unit: "MPa", scale: 1, map: "size" },
+  displacement: { name: "Displacement", unit: "mm", scale: 1, map: "size" },
+  contactPressure: { name: "Contact pressure", unit: "kPa", scale: 1000, map: "size", isOfSurface: true },
+  ux: component("Displacement", "along x", "mm", 0, [0]),
+  uy: component("Displacement", "along y", "mm", 1, [1]),
+  uz: component("Displacement", "along z", "mm", 2, [2]),
+  stretch: { name: "Largest stretch", unit: "", scale: 1, map: "size" },
+  thickness: { name: "Thickness change", unit: "%", scale: 100, map: "signed", isOfSurface: true },
   pressure: { name: "Pressure in the solid", unit: "MPa", scale: 1, map: "signed" },
-  sxx: component("Stress", "xx", "MPa", 0, false),
-  syy: component("Stress", "yy", "MPa", 1, false),
-  szz: component("Stress", "zz", "MPa", 2, false),
-  sxy: component("Stress", "xy", "MPa", 3, true),
-  syz: component("Stress", "yz", "MPa", 4, true),
-  sxz: component("Stress", "xz", "MPa", 5, false),
+  sxx: component("Stress", "xx", "MPa", 0, []),
+  syy: component("Stress", "yy", "MPa", 1, []),
+  szz: component("Stress", "zz", "MPa", 2, []),
+  sxy: component("Stress", "xy", "MPa", 3, [0, 1]),
+  syz: component("Stress", "yz", "MPa", 4, [1, 2]),
+  sxz: component("Stress", "xz", "MPa", 5, [0, 2]),
 };
 
 /** Round numbers around a range, at least two. */
@@ -32,23 +34,44 @@ export const legendTicks = ([low, high]) => ticks(low, high > low ? high : low +
 /** Numbers that divide a range as it is. */
 export const evenMarks = ([low, high]) => [0, 1, 2, 3, 4].map((i) => low + ((high - low) * i) / 4);
 
+/** What lies beyond a range, in words; `at` says where values are known. */
+export function beyond({ marks, present, at }, unit) {
+  const [low, high] = [marks[0], marks[marks.length - 1]];
+  const slack = 5e-4 * (high - low);
+  const ends = [present[0] < low - slack, present[1] > high + slack];
+  const said = [ends[0] && `down to ${short(present[0])}`, ends[1] && `up to ${short(present[1])}`].filter(Boolean);
+  return { ends, words: said.length ? [said.join(" and "), unit, at].filter(Boolean).join(" ") : "" };
+}
+
 export class Legend {
   constructor(element) {
     this.element = element;
   }
 
-  /** Shows a field with a range from the first to the last of `marks`; `present` are the least and the largest value now. */
-  show(field, marks, present) {
+  /**
+   * Shows a field with a bar for each of `rows`: `name`, if there are several; `marks` from the first to the last value of the colours; `present`,
+   * the least and the largest value now; `at`, where these are.
+   */
+  show(field, rows) {
     const { name, unit, map } = FIELDS[field];
+    const title = Object.assign(document.createElement("p"), { className: "name", textContent: name });
+    if (unit) title.append(", ", Object.assign(document.createElement("span"), { className: "unit", textContent: unit }));
+    this.element.replaceChildren(title, ...rows.flatMap((row) => this.row(row, unit, map)));
+  }
+
+  row({ name, ...row }, unit, map) {
+    const { marks } = row;
     const [low, high] = [marks[0], marks[marks.length - 1]];
-    const texts = tickTexts(marks);
-    const labels = marks.map((x, i) => `<span style="left:${(100 * (x - low)) / (high - low)}%">${texts[i]}</span>`);
-    const slack = 5e-4 * (high - low);
-    const ends = [present[0] < low - slack, present[1] > high + slack];
-    const said = [ends[0] && `down to ${short(present[0])}`, ends[1] && `up to ${short(present[1])}`].filter(Boolean);
-    const beyond = said.length ? `${said.join(" and ")} ${unit} at nodes` : "";
-    this.element.innerHTML = `<p class="name">${name}${unit && `, <span class="unit">${unit}</span>`}</p>
-      <div class="bar${ends[0] ? " below" : ""}${ends[1] ? " above" : ""}" style="background:${gradient(map)}"></div>
-      <div class="marks">${labels.join("")}</div><p class="beyond">${beyond}</p>`;
+    const { ends, words } = beyond(row, unit);
+    const part = (className, textContent = "", tag = "div") => Object.assign(document.createElement(tag), { className, textContent });
+    const bar = part(`bar${ends[0] ? " below" : ""}${ends[1] ? " above" : ""}`);
+    bar.style.background = gradient(map);
+    const scale = part("marks");
+    tickTexts(marks).forEach((text, i) => {
+      const mark = part("", text, "span");
+      mark.style.left = `${(100 * (marks[i] - low)) / (high - low)}%`;
+      scale.append(mark);
+    });
+    return [...(name === undefined ? [] : [part("of", name, "p")]), bar, scale, part("beyond", words, "p")];
   }
 }

@@ -2,7 +2,7 @@
 // parts are put together:
 //   transport  slider and play button
 //   plots      curves against time
-//   viewer     the body in three dimensions (stage: camera; actuator, obstacles: what is drawn; section, probe, legend)
+//   viewer     the body in three dimensions (stage: camera; body, obstacles: what is drawn; section, probe, legend, photo)
 
 import { readData } from "pneuflex/data";
 import { drawPlots } from "pneuflex/plots";
@@ -15,7 +15,7 @@ import { Viewer } from "pneuflex/viewer";
 const data = readData();
 const clock = new Clock(data.clock, data.series.times, data.series.on_the_way);
 const transport = new Transport(clock, data.series);
-drawPlots(document.getElementById("plots"), data.series, clock);
+drawPlots(document.getElementById("plots"), document.getElementById("more-plots"), data.series, clock);
 
 let viewer = null;
 if (data.body && hasWebGL()) {
@@ -51,34 +51,63 @@ window.pneuflex = Object.freeze({
     return clock.isComputed();
   },
   get field() {
-    return viewer?.actuator.field;
+    return viewer?.body.field;
   },
   get legend() {
-    return viewer?.marks.slice();
+    return viewer?.rows[0].marks.slice();
   },
-  /** What the present colours go from and to, and how long the bar of lengths is, mm and pixels. */
+  /** What the present colours go from and to, region by region. */
   get colours() {
-    const { low, top } = viewer.actuator.colours;
-    return [low.value, top.value];
+    return viewer.body.regions.flatMap(({ low, top }) => [low.value, top.value]);
   },
+  /** How long the bar of lengths is, mm and pixels. */
   get scale() {
     const { axes } = viewer;
     return [axes.length, axes.bar.getBoundingClientRect().width];
   },
-  valueAt: (node) => viewer.states.values[viewer.actuator.field][node],
+  valueAt: (node) => viewer.states.values[viewer.body.field][node],
   get reading() {
     return viewer?.probe.reading();
   },
   get section() {
-    const section = viewer?.actuator.halves[0].section;
-    return viewer?.plane && { ...viewer.plane, triangles: section.triangles.length / 3 };
+    const triangles = viewer?.body.cuts[0].section.triangles.map((list) => list.length / 3);
+    return viewer?.plane && { ...viewer.plane, triangles };
+  },
+  /** Triangles that are drawn of the surface of every region, and how many images there are. */
+  get surface() {
+    const { regions, walls, inner, images } = viewer.body;
+    const triangles = regions.map(({ isShown }, r) => (isShown ? (walls[r].index.count + inner[r].index.count) / 3 : 0));
+    return { triangles, images: images.filter(({ group }) => group.visible).length };
+  },
+  /** The photo: whether it is shown, which point is to be clicked, and its map to the canvas. */
+  get photo() {
+    const { isShown, step, isLoaded } = viewer.photo;
+    return { isShown, step, map: isLoaded ? viewer.photo.onScreen() : null };
   },
   /** Names of the obstacles, and where the centres of what is drawn of them are now, mm, and on the page. */
   get obstacles() {
     return viewer?.obstacleCentres();
   },
+  /** Rest and the computed times. */
+  get computed() {
+    return clock.computed.slice();
+  },
   get camera() {
     return viewer?.stage.camera.position.toArray();
+  },
+  /** From the middle of the view towards the eye, and how far that is, mm. */
+  get direction() {
+    const { camera, controls } = viewer.stage;
+    return camera.position.clone().sub(controls.target).normalize();
+  },
+  get distance() {
+    const { camera, controls } = viewer.stage;
+    return camera.position.distanceTo(controls.target);
+  },
+  /** Whether the shape at rest, and the lines of the mesh, are drawn. */
+  get shows() {
+    const { rest, meshLines } = viewer.body.images[0];
+    return { ghost: rest.visible, mesh: meshLines.visible };
   },
   /** Milliseconds that the last change of the time took, without drawing. */
   get updateTime() {

@@ -1,4 +1,5 @@
-// How surfaces and lines are drawn. Values are interpolated before they become colours, so that colours between nodes are those
+// How surfaces and lines are drawn. Varyings are taken inside of the triangles (`centroid`): beyond their edges, where smoothed edges ask for
+// them, those of slivers are anything, and would leave dots of what is cut away. Values are interpolated before they become colours, so that colours between nodes are those
 // of the map; what lies beyond the section plane (in reference coordinates) is left out.
 
 import { DataTexture, DoubleSide, FrontSide, LinearFilter, ShaderMaterial, Vector4 } from "three";
@@ -6,13 +7,13 @@ import { colourBytes } from "pneuflex/colours";
 
 const PASS_REFERENCE = /* glsl */ `
   attribute vec3 reference;
-  varying vec3 vReference;
+  centroid varying vec3 vReference;
 `;
 
 const CUT = /* glsl */ `
   uniform vec4 plane;
   uniform float slack;
-  varying vec3 vReference;
+  centroid varying vec3 vReference;
   // About a pixel further than the plane, so that no light shines between the surface and the cut face.
   bool beyond() {
     float distance = dot(vReference, plane.xyz) - plane.w;
@@ -46,9 +47,9 @@ export function surfaceMaterial(colours, isCap) {
     vertexShader: /* glsl */ `
       ${PASS_REFERENCE}
       attribute float value;
-      varying float vValue;
-      varying vec3 vNormal;
-      varying vec3 vView;
+      centroid varying float vValue;
+      centroid varying vec3 vNormal;
+      centroid varying vec3 vView;
       void main() {
         vReference = reference;
         vValue = value;
@@ -65,9 +66,9 @@ export function surfaceMaterial(colours, isCap) {
       uniform float sign;
       uniform bool plain;
       uniform bool glass;
-      varying float vValue;
-      varying vec3 vNormal;
-      varying vec3 vView;
+      centroid varying float vValue;
+      centroid varying vec3 vNormal;
+      centroid varying vec3 vView;
       void main() {
         if (beyond()) discard;
         float share = clamp((sign * vValue - low) / (top - low), 0.0, 1.0);
@@ -94,8 +95,8 @@ export function obstacleMaterial(isFlat, isHollow) {
   return new ShaderMaterial({
     uniforms: { colour: { value: [0, 0, 0] }, opacity: { value: isHollow ? 0.16 : isFlat ? 0.34 : 0.42 }, rim: { value: isFlat ? 0 : 0.35 }, hollow: { value: isHollow } },
     vertexShader: /* glsl */ `
-      varying vec3 vNormal;
-      varying vec3 vView;
+      centroid varying vec3 vNormal;
+      centroid varying vec3 vView;
       void main() {
         vNormal = normalMatrix * normal;
         vec4 view = modelViewMatrix * vec4(position, 1.0);
@@ -107,8 +108,8 @@ export function obstacleMaterial(isFlat, isHollow) {
       uniform float opacity;
       uniform float rim;
       uniform bool hollow;
-      varying vec3 vNormal;
-      varying vec3 vView;
+      centroid varying vec3 vNormal;
+      centroid varying vec3 vView;
       void main() {
         vec3 n = normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
         vec3 toEye = normalize(-vView);

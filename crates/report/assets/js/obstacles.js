@@ -2,6 +2,7 @@
 
 import { Box3, BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, EdgesGeometry, Group, LineSegments, Matrix4, Mesh, PlaneGeometry, SphereGeometry, Vector3 } from "three";
 import { roundStep } from "pneuflex/format";
+import { imagesOf } from "pneuflex/images";
 import { flatMaterial, obstacleMaterial } from "pneuflex/material";
 
 /** How far round surfaces may be from their chords, relative to the body. */
@@ -29,16 +30,22 @@ export class Obstacles {
     for (const { data, moving } of this.list) moving.forEach((object) => object.position.set(...offset(data.path, time)));
   }
 
-  /** Shows them or not; `whole`: those of both halves. */
-  show(isShown, whole) {
-    this.group.visible = isShown;
-    for (const { moving } of this.list) moving.forEach((object, i) => (object.parent.visible = i === 0 || whole));
+  /** Shows those that are `shown`; `whole`: with their mirror images. */
+  show(shown, whole) {
+    this.list.forEach(({ whole: all, moving }, number) => {
+      all.visible = shown[number];
+      moving.forEach((object, i) => (object.parent.visible = i === 0 || whole));
+    });
+  }
+
+  /** Those that are shown. */
+  get visible() {
+    return this.list.filter(({ whole }) => whole.visible);
   }
 
   /** Boxes around what is shown of them at the corners of their paths. */
   boxes() {
-    if (!this.group.visible) return [];
-    return this.list.flatMap(({ data, whole }) => {
+    return this.visible.flatMap(({ data, whole }) => {
       const times = data.path.length ? data.path.map(([time]) => time) : [0];
       return times.map((time) => {
         this.move(time);
@@ -69,19 +76,19 @@ export function offset(path, time) {
   return [1, 2, 3].map((d) => a[d] + share * (b[d] - a[d]));
 }
 
-/** The objects of an obstacle: those that move, in a group of both halves. */
+/** The objects of an obstacle: those that move, in a group of all its images. */
 function build(data, size) {
   const { surface, lines } = SHAPES[data.shape](data, size);
   const frame = new Matrix4().makeBasis(...data.axes.map((axis) => new Vector3(...axis))).setPosition(...data.centre);
   const whole = new Group();
-  const moving = (data.mirrored ? [1, -1] : [1]).map((sign) => {
-    const half = new Group();
-    half.scale.y = sign;
+  const moving = imagesOf(data.mirrored).map((signs) => {
+    const image = new Group();
+    image.scale.set(...signs);
     const object = new Group();
     object.add(new Mesh(surface, obstacleMaterial(data.shape === "plane", data.hollow)), new LineSegments(lines, flatMaterial(0.3)));
     for (const part of object.children) part.applyMatrix4(frame);
-    half.add(object);
-    whole.add(half);
+    image.add(object);
+    whole.add(image);
     return object;
   });
   // Positions change all the time: no bound on them is worth keeping. Drawn first, they do not tint a body of glass.

@@ -3,6 +3,8 @@
 
 import { fixed, short, tickTexts, ticks } from "pneuflex/format";
 import { Curve } from "pneuflex/interpolation";
+import { ownPlot } from "pneuflex/own-plot";
+import { layOut } from "pneuflex/plot-layout";
 import { fileName, save } from "pneuflex/snapshot";
 
 const SIZE = { width: 360, height: 176, left: 46, right: 14, top: 12, bottom: 34 };
@@ -329,56 +331,15 @@ function drawShape(lines, clock) {
   return new Shape(labels, clock, new Curve(clock.computed, lines.map((line) => Float64Array.from(line.flat()))), range);
 }
 
-/** Everything that a state has a number for: what is plotted, what it is plotted over, and the time itself. */
-function quantities(series, clock) {
-  const found = new Map();
-  const add = (name, unit, values) => found.has(name) || found.set(name, { name, unit, values });
-  for (const { name, unit, over, curves } of series.plots) {
-    for (const curve of curves) add(curve.name ? `${name}: ${curve.name}` : name, unit, curve.values);
-    if (over) add(over.name, over.unit, over.values);
-  }
-  if (series.centrelines) {
-    ["x", "z"].forEach((axis, d) => add(`Tip, ${axis}`, "mm", series.centrelines.map((line) => line[line.length - 1][d])));
-  }
-  const numbers = clock.computed.map((time) => clock.parameter(time));
-  add(clock.name, clock.unit, numbers);
-  return [...found.values()];
-}
-
-/** A plot of any quantity over any other. */
-function ownPlot(series, clock) {
-  const all = quantities(series, clock);
-  if (all.length < 2) return null;
-  const figure = Object.assign(document.createElement("figure"), { className: "own" });
-  const chooser = (id, label, chosen) => {
-    const select = Object.assign(document.createElement("select"), { id });
-    select.setAttribute("aria-label", label);
-    all.forEach(({ name }, i) => select.append(new Option(name, i, false, i === chosen)));
-    return select;
-  };
-  const [x, y] = [chooser("own-x", "Quantity along x", all.length - 1), chooser("own-y", "Quantity along y", 0)];
-  const choice = Object.assign(document.createElement("p"), { className: "choice" });
-  choice.append(y, " over ", x);
-  let plot = null;
-  const show = () => {
-    plot?.stop();
-    const [over, { name, unit, values }] = [all[x.value], all[y.value]];
-    plot = draw({ name, unit, over, curves: [{ values }] }, clock);
-    figure.replaceChildren(choice, ...plot.element.childNodes);
-  };
-  for (const select of [x, y]) select.addEventListener("change", show);
-  show();
-  return figure;
-}
-
-/** Draws all plots into `container`; `series` is the data's. */
-export function drawPlots(container, series, clock) {
+/** Draws all plots into `beside` and, as far as there is no room there, `below`; `series` is the data's. */
+export function drawPlots(beside, below, series, clock) {
   if (clock.computed.length < 2) {
-    container.textContent = "There is nothing to plot: the body stayed at rest.";
+    beside.textContent = "There is nothing to plot: the body stayed at rest.";
     return;
   }
   const plots = series.plots.map((plot) => draw(plot, clock));
   if (series.centrelines) plots.splice(1, 0, drawShape(series.centrelines, clock));
-  const own = ownPlot(series, clock);
-  container.append(...plots.map((plot) => plot.element), ...(own ? [own] : []));
+  const own = ownPlot(series, clock, draw);
+  const note = Object.assign(document.createElement("p"), { className: "note", textContent: "Dots are computed; the lines between them are interpolated." });
+  layOut([...plots.map((plot) => plot.element), ...(own ? [own] : [])], beside, below, note);
 }

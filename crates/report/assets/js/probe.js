@@ -1,14 +1,22 @@
 // Reading values at a node: a click chooses it, the numbers follow the time.
 
 import { Mesh, MeshBasicMaterial, Raycaster, SphereGeometry, Triangle, Vector2, Vector3 } from "three";
-import { decimalsFor, fixed } from "pneuflex/format";
+import { decimalsFor, fixed, short } from "pneuflex/format";
+import { onImage, signOf } from "pneuflex/images";
+import { FIELDS } from "pneuflex/legend";
+
+/** Fields that have rows of their own. */
+const ALWAYS = ["vonMises", "displacement", "contactPressure"];
+const PART = [1, 1, 1];
 
 export class Probe {
-  constructor(element, stage, actuator, body) {
-    Object.assign(this, { element, stage, actuator });
-    this.names = new Map(body.probes.map(({ name, node }) => [node, name]));
+  constructor(element, stage, body, probes) {
+    Object.assign(this, { element, stage, body });
+    this.names = new Map(probes.map(({ name, node }) => [node, name]));
     this.node = null;
-    this.sign = 1;
+    this.signs = PART;
+    /** Whether clicks are for something else. */
+    this.isOff = false;
     const ring = (radius, colour) =>
       new Mesh(new SphereGeometry(radius, 20, 14), new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true }));
     this.marker = ring(1, 0xffffff);
@@ -27,7 +35,7 @@ export class Probe {
     canvas.addEventListener("pointerup", (event) => {
       const moved = start ? Math.hypot(event.clientX - start[0], event.clientY - start[1]) : Infinity;
       start = null;
-      if (moved < 5 && event.button === 0) this.pick(event);
+      if (moved < 5 && event.button === 0 && !this.isOff) this.pick(event);
     });
     canvas.addEventListener("keydown", (event) => event.key === "Escape" && this.choose(null));
   }
@@ -37,13 +45,11 @@ export class Probe {
     const pointer = new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
     const raycaster = new Raycaster();
     raycaster.setFromCamera(pointer, this.stage.camera);
-    const targets = this.actuator.halves
-      .filter(({ half }) => half.visible)
-      .flatMap((half) => [half.skin, half.cap].filter((mesh) => mesh.visible).map((mesh) => ({ mesh, half })));
-    const owner = new Map(targets.map(({ mesh, half }) => [mesh, half]));
-    const hit = raycaster.intersectObjects([...owner.keys()], false).find((hit) => this.isShown(hit));
-    if (hit) this.choose(this.nodeAt(hit, owner.get(hit.object)), owner.get(hit.object).sign);
-    else this.choose(null);
+    const targets = new Map(this.body.targets().map((target) => [target.mesh, target]));
+    const hit = raycaster.intersectObjects([...targets.keys()], false).find((hit) => this.isShown(hit));
+    if (!hit) return this.choose(null);
+    const { image, nodeOf } = targets.get(hit.object);
+    this.choose(nodeOf(this.nearest(hit)), image.signs);
   }
 
   /** Whether the section leaves the place that was hit. */
@@ -56,19 +62,18 @@ export class Probe {
     return place.dot(new Vector3(plane.x, plane.y, plane.z)) <= plane.w + 1e-6;
   }
 
-  /** The node nearest to what was hit. */
-  nodeAt({ object, point, face }, half) {
+  /** The corner of the triangle that is nearest to what was hit. */
+  nearest({ object, point, face }) {
     const local = object.worldToLocal(point.clone());
     const { position } = object.geometry.attributes;
     const distance = (i) => new Vector3().fromBufferAttribute(position, i).distanceTo(local);
-    const nearest = [face.a, face.b, face.c].reduce((a, b) => (distance(b) < distance(a) ? b : a));
-    return object === half.cap ? half.section.nodeAt(nearest) : this.actuator.skinNodes[nearest];
+    return [face.a, face.b, face.c].reduce((a, b) => (distance(b) < distance(a) ? b : a));
   }
 
-  /** Chooses a node of the modelled half (sign 1) or of its mirror image (−1); null: none. */
-  choose(node, sign = 1) {
+  /** Chooses a node of the modelled part or, by the signs, of an image of it; null: none. */
+  choose(node, signs = PART) {
     this.node = node;
-    this.sign = sign;
+    this.signs = signs;
     this.update();
     this.stage.requestRender();
   }
@@ -76,16 +81,20 @@ export class Probe {
   /** Everything at the chosen node, in mm and MPa; null if there is none. */
   reading() {
     if (this.node === null) return null;
-    const { nodes, position, displacement, values } = this.actuator.states;
-    const mirrored = (vector) => vector.map((x, d) => (d === 1 ? this.sign : 1) * x);
-    const place = (positions) => mirrored(this.actuator.states.place(positions, this.node));
+    const { states, field } = this.body;
+    const { nodes, position, displacement, values, origin } = states;
+    const vector = (list) => onImage(this.signs, Array.from(list.subarray(3 * this.node, 3 * this.node + 3)));
+    const place = (list) => vector(list).map((x, d) => x + origin[d]);
+    const isThere = !FIELDS[field].isOfSurface || states.isOnSurface[this.node];
     return {
       node: this.node,
       reference: place(nodes),
       position: place(position),
-      displacement: mirrored(Array.from(displacement.subarray(3 * this.node, 3 * this.node + 3))),
+      displacement: vector(displacement),
       vonMises: values.vonMises[this.node],
       contactPressure: values.contactPressure[this.node],
+      /** What is shown in colour; null where there is none of it. */
+      shown: isThere ? signOf(field, this.signs) * values[field][this.node] : null,
     };
   }
 
@@ -94,7 +103,8 @@ export class Probe {
     this.marker.visible = Boolean(reading);
     this.element.hidden = !reading;
     if (!reading) return;
-    const { origin, size } = this.actuator.states;
+    const { field, states } = this.body;
+    const { origin, size } = states;
     this.marker.position.set(...reading.position.map((x, d) => x - origin[d]));
     const decimals = Math.max(3, decimalsFor(size, 4));
     const vector = (v) => v.map((x) => fixed(x, decimals)).join(", ");
@@ -106,6 +116,10 @@ export class Probe {
       ["von Mises", fixed(reading.vonMises, 4), "MPa"],
       ["contact", fixed(1000 * reading.contactPressure, 2), "kPa"],
     ];
+    if (!ALWAYS.includes(field)) {
+      const { name, unit, scale } = FIELDS[field];
+      rows.push([name, reading.shown === null ? "not inside" : short(scale * reading.shown), unit]);
+    }
     const name = this.names.get(this.node);
     this.element.replaceChildren(heading(`Node ${this.node}${name === undefined ? "" : ` · ${name}`}`, () => this.choose(null)), table(rows));
   }

@@ -2,9 +2,13 @@
 // of the way from one node to another, and moves with both. Only a new plane needs a new section; a new time does not.
 
 export class Section {
-  /** @param body nodes (reference positions), blocks of elements: elements, nodesPerElement, tetrahedra (local nodes) */
-  constructor(body) {
+  /**
+   * @param body nodes (reference positions), blocks of elements: elements, nodesPerElement, tetrahedra (local nodes), regions
+   * @param {number} numRegions how many regions the elements belong to
+   */
+  constructor(body, numRegions) {
     this.body = body;
+    this.numRegions = numRegions;
     this.bounds = [0, 1, 2].map((axis) => body.blocks.map((block) => elementBounds(body.nodes, block, axis)));
     this.clear();
   }
@@ -13,18 +17,20 @@ export class Section {
     this.from = new Uint32Array(0);
     this.to = new Uint32Array(0);
     this.share = new Float32Array(0);
-    this.triangles = new Uint32Array(0);
+    /** Points of the triangles of every region. */
+    this.triangles = Array.from({ length: this.numRegions }, () => new Uint32Array(0));
   }
 
   /** Cuts across an axis (0, 1, 2) at a coordinate in mm; normals point along the axis if `side` is 1, against it if −1. */
   cut(axis, at, side) {
     const { nodes, blocks } = this.body;
-    const found = { from: [], to: [], share: [], triangles: [], known: new Map() };
+    const found = { from: [], to: [], share: [], triangles: this.triangles.map(() => []), known: new Map() };
     const distance = (node) => nodes[3 * node + axis] - at;
-    blocks.forEach(({ elements, nodesPerElement, tetrahedra }, number) => {
+    blocks.forEach(({ elements, nodesPerElement, tetrahedra, regions }, number) => {
       const [low, high] = this.bounds[axis][number];
       for (let e = 0; e < low.length; e++) {
         if (low[e] > at || high[e] < at) continue;
+        const own = found.triangles[regions ? regions[e] : 0];
         for (const local of tetrahedra) {
           const corners = local.map((n) => elements[e * nodesPerElement + n]);
           const below = corners.filter((n) => distance(n) < 0);
@@ -34,10 +40,10 @@ export class Section {
           if (below.length === 2) {
             const [p, q, r, s] = [...below, ...above];
             const ring = [point(p, r), point(p, s), point(q, s), point(q, r)];
-            found.triangles.push([ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]);
+            own.push([ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]);
           } else {
             const [[tip], base] = below.length === 1 ? [below, above] : [above, below];
-            found.triangles.push(base.map((n) => point(tip, n)));
+            own.push(base.map((n) => point(tip, n)));
           }
         }
       }
@@ -45,7 +51,8 @@ export class Section {
     this.from = Uint32Array.from(found.from);
     this.to = Uint32Array.from(found.to);
     this.share = Float32Array.from(found.share);
-    this.triangles = oriented(found.triangles, this.interpolated(nodes, 3), axis, side);
+    const points = this.interpolated(nodes, 3);
+    this.triangles = found.triangles.map((triangles) => oriented(triangles, points, axis, side));
   }
 
   /** Values at the section's points from values at nodes, `width` per node. */

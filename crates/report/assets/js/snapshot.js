@@ -2,7 +2,7 @@
 
 import { colourAt } from "pneuflex/colours";
 import { tickTexts } from "pneuflex/format";
-import { FIELDS } from "pneuflex/legend";
+import { FIELDS, beyond } from "pneuflex/legend";
 
 /** The view with legend, title and time on a canvas of its own. */
 export function picture(viewer, title) {
@@ -15,7 +15,7 @@ export function picture(viewer, title) {
 
 /** Paints what was rendered just now, with legend, title and time. */
 export function paint(viewer, title, canvas) {
-  const { stage, actuator, marks, clock } = viewer;
+  const { stage, body, rows, clock, photo } = viewer;
   const { width, height } = canvas;
   const style = getComputedStyle(document.documentElement);
   const draw = canvas.getContext("2d");
@@ -24,26 +24,43 @@ export function paint(viewer, title, canvas) {
   draw.textAlign = "start";
   draw.fillStyle = style.getPropertyValue("--stage");
   draw.fillRect(0, 0, width, height);
+  if (photo.isShown) {
+    draw.setTransform(unit, 0, 0, unit, 0, 0);
+    draw.transform(...photo.onScreen());
+    draw.drawImage(photo.image, 0, 0);
+    draw.setTransform(1, 0, 0, 1, 0, 0);
+    draw.globalAlpha = Number(stage.canvas.style.opacity);
+  }
   draw.drawImage(stage.canvas, 0, 0, width, height);
+  draw.globalAlpha = 1;
   draw.scale(unit, unit);
   draw.fillStyle = style.getPropertyValue("--ink");
   draw.font = "600 15px system-ui, sans-serif";
   draw.fillText(`${title} · ${clock.words(clock.value)}`, 20, height / unit - 20);
-  drawLegend(draw, actuator.field, marks);
+  drawLegend(draw, body.field, rows);
 }
 
-function drawLegend(draw, field, marks) {
+function drawLegend(draw, field, rows) {
   const { name, unit, map } = FIELDS[field];
+  const ink = draw.fillStyle;
   draw.font = "600 13px system-ui, sans-serif";
   draw.fillText([name, unit].filter(Boolean).join(", "), 20, 30);
-  for (let x = 0; x < 220; x++) {
-    draw.fillStyle = `rgb(${colourAt(map, x / 219)})`;
-    draw.fillRect(20 + x, 38, 1.5, 10);
-  }
-  draw.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--ink");
   draw.font = "12px system-ui, sans-serif";
-  draw.textAlign = "center";
-  tickTexts(marks).forEach((text, i) => draw.fillText(text, 20 + (220 * i) / (marks.length - 1), 63));
+  let top = 38;
+  for (const row of rows) {
+    const { words } = beyond(row, unit);
+    draw.textAlign = "start";
+    if (row.name !== undefined) draw.fillText(row.name, 20, (top += 16) - 4);
+    for (let x = 0; x < 220; x++) {
+      draw.fillStyle = `rgb(${colourAt(map, x / 219)})`;
+      draw.fillRect(20 + x, top, 1.5, 10);
+    }
+    draw.fillStyle = ink;
+    if (words) draw.fillText(words, 20, top + 42);
+    draw.textAlign = "center";
+    tickTexts(row.marks).forEach((text, i) => draw.fillText(text, 20 + (220 * i) / (row.marks.length - 1), top + 25));
+    top += words ? 52 : 34;
+  }
 }
 
 /** A title as the name of a file. */

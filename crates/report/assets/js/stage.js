@@ -36,6 +36,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.requestRender());
     this.controls.addEventListener("start", () => (this.view = null));
     canvas.addEventListener("keydown", (event) => this.key(event));
+    this.beforeRender = () => {};
     this.afterRender = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
@@ -66,6 +67,8 @@ export class Stage {
       [this.camera.near, this.camera.far] = [Math.max(distance - this.around, distance / 50), distance + this.around];
       this.camera.updateProjectionMatrix();
     }
+    this.camera.updateMatrixWorld();
+    this.beforeRender();
     this.renderer.render(this.scene, this.camera);
     this.afterRender();
   }

@@ -1,8 +1,10 @@
 // The fields at the nodes for any time between rest and the last computed one. Positions are relative to `origin`.
 
-import { coarse, floats, quantised } from "pneuflex/data";
+import { coarse, floats, integers, quantised, smallIntegers } from "pneuflex/data";
+import { isOdd } from "pneuflex/images";
 import { Curve } from "pneuflex/interpolation";
 import { FIELDS } from "pneuflex/legend";
+import { chosen } from "pneuflex/runs";
 
 /** Of fields without a typical largest value of their own, shares of the nodes that lie below and above the range. */
 const TAIL = 0.005;
@@ -36,10 +38,20 @@ export class States {
       displacement: [0, ...known.map((state) => largest(lengths(state.displacement)))],
       contactPressure: [0, ...body.states.map((state) => state.typical.contact_pressure)],
     };
-    /** The rest of the data, by state, and ranges by field, as far as they are needed. */
+    this.largest = new Curve(this.times, [Float64Array.of(0), ...body.states.map((state) => Float64Array.of(state.largest_von_mises))]);
+    /** The rest of the data, by state, and ranges by field and region, as far as they are needed. */
     this.more = body.states;
     this.ranges = {};
-    this.isMirrored = body.mirrored;
+    /** Fields besides those that are always known. */
+    this.prepared = [];
+    this.mirrored = body.mirrored;
+    this.blocks = body.elements.map(({ nodes, nodes_per_element: nodesPerElement, tetrahedra, regions }) => ({
+      elements: integers(nodes),
+      nodesPerElement,
+      tetrahedra,
+      regions: regions && smallIntegers(regions),
+    }));
+    this.collectNodes(body);
     this.displacement = new Float32Array(3 * count);
     this.position = Float32Array.from(this.nodes);
     this.values = {
@@ -49,6 +61,21 @@ export class States {
     };
   }
 
+  /** Finds the nodes of every region, and those of the surface. */
+  collectNodes(body) {
+    const count = this.nodes.length / 3;
+    this.allNodes = Uint32Array.from({ length: count }, (_, node) => node);
+    const found = body.regions.map(() => new Uint8Array(count));
+    for (const { elements, nodesPerElement, regions } of this.blocks) {
+      elements.forEach((node, i) => (found[regions ? regions[Math.floor(i / nodesPerElement)] : 0][node] = 1));
+    }
+    this.regionNodes = found.map((isIn) => this.allNodes.filter((node) => isIn[node]));
+    this.isOnSurface = new Uint8Array(count);
+    const skinNodes = integers(body.skin_vertices);
+    const walls = chosen({ list: integers(body.skin_triangles), runs: body.skin_runs }, 3, ({ side }) => side === "outside" || side === "air");
+    walls.forEach((vertex) => (this.isOnSurface[skinNodes[vertex]] = 1));
+  }
+
   /** Fills `position`, `displacement` (mm, three per node) and `values` for a time. */
   evaluate(time) {
     this.curves.displacement.evaluate(time, this.displacement);
@@ -56,7 +83,7 @@ export class States {
     this.curves.vonMises.evaluate(time, this.values.vonMises);
     this.curves.contactPressure.evaluate(time, this.values.contactPressure);
     lengths(this.displacement, this.values.displacement);
-    for (const field of Object.keys(this.ranges)) this.curves[field].evaluate(time, this.values[field]);
+    for (const field of this.prepared) this.curves[field].evaluate(time, this.values[field]);
   }
 
   /** Makes a field ready whose values are not kept from the beginning. */
@@ -65,7 +92,7 @@ export class States {
     const count = this.nodes.length / 3;
     const { index } = FIELDS[field];
     let known;
-    if (field === "stretch") known = this.more.map(({ stretch }) => coarse(stretch));
+    if (field === "stretch" || field === "thickness") known = this.more.map((state) => coarse(state[field]));
     else if (field === "pressure") {
       known = this.more.map(({ stress }) => {
         const [x, y, z] = stress.slice(0, 3).map(coarse);
@@ -76,35 +103,59 @@ export class States {
     } else known = this.more.map(({ stress }) => coarse(stress[index]));
     const rest = field === "stretch" ? 1 : 0;
     this.curves[field] = new Curve(this.times, [new Float32Array(count).fill(rest), ...known]);
-    const isOdd = FIELDS[field].isOdd && this.isMirrored;
-    this.ranges[field] = [[rest, rest], ...known.map((values) => range(values, isOdd))];
+    this.prepared.push(field);
     this.values[field] = new Float32Array(count);
   }
 
-  /** The typical least and largest value of a field at a time. */
-  typicalAt(field, time) {
-    const curve = new Curve(this.times, this.rangesOf(field).map((range) => Float64Array.from(range)));
+  /** The typical least and largest value of a field at a time; of a region, if one is named. */
+  typicalAt(field, time, region) {
+    const curve = new Curve(this.times, this.rangesOf(field, region).map((range) => Float64Array.from(range)));
     return Array.from(curve.evaluate(time, new Float64Array(2)));
   }
 
   /** The same over all times. */
-  typicalOf(field) {
-    const all = this.rangesOf(field);
+  typicalOf(field, region) {
+    const all = this.rangesOf(field, region);
     return [Math.min(...all.map(([low]) => low)), Math.max(...all.map(([, high]) => high))];
   }
 
-  rangesOf(field) {
-    return this.ranges[field] ?? this.typical[field].map((top) => [0, top]);
+  /** Ranges at rest and at every computed time. */
+  rangesOf(field, region) {
+    if (region === undefined && this.typical[field]) return this.typical[field].map((top) => [0, top]);
+    const known = (this.ranges[field] ??= []);
+    const number = region ?? this.regionNodes.length;
+    return (known[number] ??= this.curves[field].values.map((values) => this.range(field, values, region)));
   }
 
-  /** The least and the largest value of a field now. */
-  extremes(field) {
+  /** What all but a few of the values lie in; from zero for what has a size, symmetric where the field has the opposite sign elsewhere. */
+  range(field, values, region) {
+    const list = field === "displacement" ? lengths(values) : values;
+    const sorted = Float32Array.from(this.nodesOf(field, region), (node) => list[node]).sort();
+    const at = (share) => sorted[Math.round(share * (sorted.length - 1))] ?? 0;
+    const [low, high] = [field in this.typical ? 0 : at(TAIL), at(1 - TAIL)];
+    return isOdd(field, this.mirrored) ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
+  }
+
+  /** The least and the largest value of a field now; of a region, if one is named. */
+  extremes(field, region) {
+    const values = this.values[field];
     let [low, high] = [Infinity, -Infinity];
-    for (const x of this.values[field]) {
-      if (x < low) low = x;
-      if (x > high) high = x;
+    for (const node of this.nodesOf(field, region)) {
+      low = Math.min(low, values[node]);
+      high = Math.max(high, values[node]);
     }
-    return FIELDS[field].isOdd && this.isMirrored ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
+    return isOdd(field, this.mirrored) ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
+  }
+
+  /** The largest von Mises stress at a time, MPa: that of the table of results. */
+  largestVonMises(time) {
+    return this.largest.evaluate(time, new Float64Array(1))[0];
+  }
+
+  /** Nodes at which a field has values, those of a region, if one is named. */
+  nodesOf(field, region) {
+    const nodes = region === undefined ? this.allNodes : this.regionNodes[region];
+    return FIELDS[field].isOfSurface ? nodes.filter((node) => this.isOnSurface[node]) : nodes;
   }
 
   /** The coordinates of a node in `positions` (the body's at rest or now) as they are in space, mm. */
@@ -116,14 +167,6 @@ export class States {
   placesOf(node) {
     return this.curves.displacement.values.map((u) => [0, 1, 2].map((d) => this.nodes[3 * node + d] + u[3 * node + d]));
   }
-}
-
-/** What all but a few of the values lie in; symmetric where the field has the opposite sign elsewhere. */
-function range(values, isOdd) {
-  const sorted = Float32Array.from(values).sort();
-  const at = (share) => sorted[Math.round(share * (sorted.length - 1))];
-  const [low, high] = [at(TAIL), at(1 - TAIL)];
-  return isOdd ? [Math.min(low, -high), Math.max(high, -low)] : [low, high];
 }
 
 function bounds(points) {

@@ -118,9 +118,10 @@ export class Transport {
 
   tick(value) {
     const { clock } = this;
-    const button = Object.assign(document.createElement("button"), { type: "button", textContent: clock.written(value) });
-    button.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
     const onTheWay = clock.isOnTheWay(value);
+    const text = onTheWay ? fixed(clock.parameter(value), clock.decimals) : clock.written(value);
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: text });
+    button.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
     button.classList.toggle("on-the-way", onTheWay);
     button.setAttribute("aria-label", value ? clock.writtenWords(value) + (onTheWay ? ", on the way" : "") : "At rest");
     button.addEventListener("click", () => this.choose(value));
