@@ -224,6 +224,8 @@ impl Visit<'_> {
         let at = |x: f64, y: f64| [left + x * width, top + y * height];
         // Twice the distance of the photo's points, and a little aside.
         let (body, photo) = ([at(0.2, 0.4), at(0.8, 0.4)], [at(0.35, 0.6), at(0.65, 0.6)]);
+        let reading = "JSON.stringify(pneuflex.reading)";
+        let read = self.browser.evaluate(reading)?;
         let before = self.browser.numbers("pneuflex.photo.map")?;
         let to_photo = |map: &[f64], page: [f64; 2]| {
             let [x, y] = [page[0] - left - map[4], page[1] - top - map[5]];
@@ -244,8 +246,8 @@ impl Visit<'_> {
             })?;
         }
         expect(said.starts_with("One millimetre is ") && said.ends_with("turned by 0.0°."), || said.clone())?;
-        let reads = self.browser.evaluate("pneuflex.reading === null")?;
-        expect(reads == true, || "clicks for the photo read values".to_owned())?;
+        let later = self.browser.evaluate(reading)?;
+        expect(read == later, || format!("clicks for the photo read {later}"))?;
         self.picture("4-photo")?;
         self.click("[data-view=iso]")?;
         self.until_still()?;
