@@ -102,7 +102,11 @@ impl Visit<'_> {
             if let Some(file) =
                 entries.map(|entry| entry.path()).find(|path| path.extension().is_some_and(|e| e == ending))
             {
-                return fs::read(file).map_err(|e| e.to_string());
+                // It is there before it is written.
+                let bytes = fs::read(file).map_err(|e| e.to_string())?;
+                if !bytes.is_empty() {
+                    return Ok(bytes);
+                }
             }
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
