@@ -6,6 +6,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pneuflex::find::{FORCE, Goal};
 use pneuflex::gradient::Request;
 use pneuflex::{Change, Error, InputError, MemoryLimit};
+use pneuflex_inverse::uncertainty::Tolerance;
 
 use crate::completions::CompletionsArguments;
 use crate::examples;
@@ -75,6 +76,9 @@ pub enum Command {
     /// Find constants and lengths from measurements, with their confidence intervals
     #[command(after_help = examples::IDENTIFY)]
     Identify(SearchArguments),
+    /// Say how far results spread by the tolerances of lengths and constants, and which of these count most
+    #[command(after_help = examples::UNCERTAINTY)]
+    Uncertainty(UncertaintyArguments),
     /// Print the numbers of results, one row per pressure, several runs side by side
     #[command(after_help = examples::TABLE)]
     Table(TableArguments),
@@ -218,6 +222,29 @@ pub struct CheckGradientArguments {
     /// Keys by which it is differentiated, e.g. actuator.gap; may be repeated [default: all]
     #[arg(long, value_name = "KEY")]
     pub by: Vec<String>,
+    /// How it is solved.
+    #[command(flatten)]
+    pub solve: SolveArguments,
+}
+
+/// Arguments of `pneuflex uncertainty`.
+#[derive(Debug, Args)]
+pub struct UncertaintyArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// A result, as for `pneuflex run --gradient`, at every pressure or the one behind @; may be repeated
+    #[arg(long, value_name = "RESULT[@AT]", required = true)]
+    pub of: Vec<Request>,
+    /// How far a key may be off either way, in its unit or in percent of its value: actuator.top_wall=0.1, material.c10=10%; may be repeated
+    #[arg(long, value_name = "KEY=TOLERANCE", required = true)]
+    pub tolerance: Vec<Tolerance>,
+    /// Solve so many designs within the tolerances, too (a Latin hypercube), to compare with
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub check: u16,
+    /// Write all numbers into a file
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,

@@ -27,6 +27,14 @@ Examples:
 
 Every key takes four runs on the elements of the case, to tight tolerances.";
 
+/// Of `pneuflex uncertainty`.
+pub const UNCERTAINTY: &str = "\
+Examples:
+  pneuflex uncertainty finger.toml --of end_face_angle --tolerance actuator.top_wall=0.1
+  pneuflex uncertainty finger.toml --of tip.z@35 --tolerance material.c10=10% --check 50
+
+A key is anywhere within its tolerance with the same probability, independent of the others.";
+
 /// Of `pneuflex new`.
 pub const NEW: &str = "\
 Examples:

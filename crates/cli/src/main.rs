@@ -2,7 +2,7 @@
 //!
 //! * [`args`], [`examples`]: the command line and its help.
 //! * [`check`], [`check_gradient`], [`compare`], [`converge`], [`design`], [`export`], [`find`], [`fit`], [`identify`], [`materials`], [`mesh`], [`new`],
-//!   [`picture`], [`run`], [`rod`], [`sweep`], [`table`], [`view`]: the commands; [`completions`], [`man`]: those about the program itself.
+//!   [`picture`], [`run`], [`rod`], [`sweep`], [`table`], [`uncertainty`], [`view`]: the commands; [`completions`], [`man`]: those about the program itself.
 //! * [`search`]: what is said of every design of a search.
 //! * [`error`], [`outcome`], [`progress`], [`run_table`], [`terminal`]: messages, exit codes, progress, what a run found, lines of a terminal.
 //! * [`interrupt`]: Ctrl-C, the run stops at its next iteration.
@@ -39,6 +39,7 @@ mod search;
 mod sweep;
 mod table;
 mod terminal;
+mod uncertainty;
 mod view;
 
 use std::process::ExitCode;
@@ -66,6 +67,7 @@ fn main() -> ExitCode {
         Command::CheckGradient(arguments) => check_gradient::check_gradient(&arguments),
         Command::Design(arguments) => design::design(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
+        Command::Uncertainty(arguments) => uncertainty::uncertainty(&arguments),
         Command::Table(arguments) => table::table(&arguments).map(|()| Outcome::Converged),
         Command::Converge(arguments) => converge::converge(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),

@@ -34,7 +34,7 @@ pub use average_gap::AverageGap;
 pub use averaging::Averaging;
 pub use contact_block::{ContactBlock, ContactPoint, Partner};
 pub use model::ContactModel;
-pub use potential::{BlockOutput, evaluate_block, predicted_tractions};
+pub use potential::{BlockOutput, distance_gradient, evaluate_block, predicted_tractions};
 pub use projection::{Projection, project};
 pub use stuck::{HeldInside, deepest_held};
 pub use surface::Surface;

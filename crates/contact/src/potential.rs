@@ -121,7 +121,7 @@ pub fn predicted_tractions(
 }
 
 /// ∂d/∂x of a point by its block's nodes, three entries each.
-pub(crate) fn distance_gradient(
+pub fn distance_gradient(
     model: &ContactModel,
     block: &ContactBlock,
     point: &ContactPoint,

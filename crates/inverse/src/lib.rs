@@ -1,4 +1,4 @@
-//! From results to inputs: which constants and lengths give what was measured, which design gives what is wanted.
+//! From results to inputs, and from the tolerances of inputs to those of results: which constants and lengths give what was measured, which design gives what is wanted.
 //!
 //! Both are searches for a few numbers of a case or model file, its variables. One solution of a design gives the results at all
 //! pressures with their exact derivatives by the variables ([`pneuflex::gradient`]), and a quadratic programme the next design.
@@ -12,6 +12,7 @@
 //! | [`search`] | a search from its file to its folder |
 //! | [`measurements`], [`identify`] | constants and lengths from measurements, with their confidence intervals |
 //! | [`curve`], [`design`], `design_file` | designs from targets, extremes and limits |
+//! | [`uncertainty`] | how far results spread by the tolerances of inputs |
 
 pub mod curve;
 pub mod design;
@@ -23,4 +24,5 @@ pub mod measurements;
 pub mod minimise;
 pub mod quadratic;
 pub mod search;
+pub mod uncertainty;
 pub mod variables;

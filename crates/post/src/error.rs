@@ -29,6 +29,9 @@ pub enum PostError {
         /// det F.
         jacobian: f64,
     },
+    /// A point of a wall has slid off the face opposite.
+    #[error("a point between walls slides off its face")]
+    NoFoot,
 }
 
 /// Checks that `values` has `expected` entries, all finite.

@@ -6,6 +6,7 @@
 //! * [`stress`]: Cauchy and von Mises stress at integration points and nodes, strain energy.
 //! * [`surface_stress`]: the stress at nodes of surfaces whose traction is known.
 //! * [`measures`]: end-face angle, centreline, air volume, reactions; [`centreline`]: points of that line.
+//! * [`peak`], [`smallest_gap`]: smooth measures of the largest stress and stretch, and of the smallest gap, with their slopes.
 //! * [`penetration`]: how far walls pass through each other, by dense sampling.
 //! * [`contact`]: what the contact's own points carry.
 //! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
@@ -21,8 +22,10 @@ pub mod convergence;
 mod error;
 pub mod fields;
 pub mod measures;
+pub mod peak;
 pub mod penetration;
 pub mod search;
+pub mod smallest_gap;
 pub mod stress;
 pub mod summary;
 pub mod surface;

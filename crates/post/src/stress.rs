@@ -69,9 +69,23 @@ pub struct StressField {
 }
 
 /// An element's state at one tabulated point.
-struct Local {
-    kinematics: Kinematics,
-    volume: f64,
+pub(crate) struct Local {
+    pub(crate) kinematics: Kinematics,
+    pub(crate) volume: f64,
+}
+
+/// The laws of a problem's materials in every kind of element.
+pub(crate) fn laws(problem: &Problem) -> PerKind<Vec<ElementMaterial>> {
+    let (materials, _) = problem.materials();
+    problem.mesh.per_kind(|kind| {
+        let formulation = problem.formulation.beside(kind);
+        materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect()
+    })
+}
+
+/// Points and shape functions of every kind of element.
+pub(crate) fn tables(problem: &Problem) -> PerKind<ReferenceElement> {
+    problem.mesh.per_kind(|kind| ReferenceElement::new(problem.formulation.beside(kind)))
 }
 
 /// The value of I₁ − 3 (or Ī₁ − 3) beyond which the material has no stiffness left, so that stresses there mean nothing;
@@ -106,12 +120,9 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let mesh = &problem.mesh;
     let (materials, material_of) = problem.materials();
-    let laws = mesh.per_kind(|kind| {
-        let formulation = problem.formulation.beside(kind);
-        materials.iter().map(|material| ElementMaterial::new(material, formulation)).collect::<Vec<_>>()
-    });
+    let laws = laws(problem);
     let may_give_way: Vec<bool> = materials.iter().map(|material| material.law.may_give_way()).collect();
-    let tables = mesh.per_kind(|kind| ReferenceElement::new(problem.formulation.beside(kind)));
+    let tables = tables(problem);
 
     let (mut points, mut starts) = (Vec::new(), vec![0]);
     let mut strain_energy = 0.0;
@@ -179,7 +190,8 @@ pub fn recover(problem: &Problem, displacement: &[[f64; 3]]) -> Result<StressFie
     Ok(StressField { points, starts, strain_energy, reference_points })
 }
 
-fn local(
+/// The state at a point of an element, the integration point of number `index`.
+pub(crate) fn local(
     problem: &Problem,
     displacement: &[[f64; 3]],
     element: usize,

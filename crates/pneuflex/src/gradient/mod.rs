@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod beside_columns;
 mod check;
 mod results;
 #[cfg(test)]
@@ -54,7 +55,8 @@ const RESULTS_PER_LENGTH: usize = 2;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// A column of [`crate::columns`], with or without its unit, a vector, whose length is meant, `force`, a point of the centreline such as
-    /// `centreline[12.5].z` or `centreline[25%].x`, `silicone_volume` or `silicone_mass`.
+    /// `centreline[12.5].z` or `centreline[25%].x`, `silicone_volume` or `silicone_mass`, or a smooth measure: `von_mises_norm[12]`,
+    /// `von_mises_quantile[99%]`, the same of `stretch`, `smallest_gap[0.02]`.
     pub column: String,
     /// Pressure in kPa, or time of a model, at which; `None` for the last one that is asked for.
     pub at: Option<f64>,

@@ -5,9 +5,12 @@ use std::collections::BTreeSet;
 use pneuflex_model::{Pressure, Problem};
 use pneuflex_newton::ConvergedState;
 use pneuflex_newton::adjoint::{Frozen, Objective};
+use pneuflex_post::peak::Peak;
+use pneuflex_post::smallest_gap::SmallestGap;
 use pneuflex_post::summary::{StepSummary, probe_sites};
-use pneuflex_post::{PostError, centreline, measures};
+use pneuflex_post::{PostError, measures};
 
+use super::beside_columns::{Along, beside_columns, mass};
 use crate::analysis::Analysis;
 use crate::columns::{Tip, columns};
 use crate::find::FORCE;
@@ -23,8 +26,9 @@ pub(super) struct Scalar {
     parts: Vec<(f64, Part)>,
 }
 
+/// A part of a result.
 #[derive(Clone, Debug, PartialEq)]
-enum Part {
+pub(super) enum Part {
     EndFaceAngle,
     ChordAngle,
     /// Displacement of a node along an axis.
@@ -46,26 +50,10 @@ enum Part {
     SolidVolume,
     /// Its mass, g.
     Mass,
-}
-
-/// Where a point of the centreline is at rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Along {
-    /// So many mm from the clamp.
-    Distance(f64),
-    /// At this share of the length.
-    Share(f64),
-}
-
-impl Along {
-    /// The point on a body, see [`centreline::point`].
-    fn weights(self, problem: &Problem) -> Option<Vec<(u32, f64)>> {
-        let distance = match self {
-            Self::Distance(distance) => distance,
-            Self::Share(share) => share * centreline::length(problem),
-        };
-        centreline::point(problem, distance)
-    }
+    /// A smooth measure of the largest stress or stretch.
+    Peak(Peak),
+    /// A smooth measure of the smallest gap between walls.
+    Gap(SmallestGap),
 }
 
 impl Scalar {
@@ -74,7 +62,8 @@ impl Scalar {
     /// # Errors
     /// A result that the body does not have, or that has no derivative.
     pub fn check(name: &str, state: &StepSummary, analysis: &Analysis, tip: &Tip) -> Result<(), InputError> {
-        if beside_columns(name, &analysis.problem)?.is_some() {
+        let rest = vec![[0.0; 3]; analysis.problem.mesh.num_nodes()];
+        if beside_columns(name, &analysis.problem, &rest)?.is_some() {
             return Ok(());
         }
         let columns = columns_of(name, state, tip)?;
@@ -92,12 +81,15 @@ impl Scalar {
         analysis: &Analysis,
         tip: &Tip,
     ) -> Result<Self, InputError> {
-        if let Some((column, part)) = beside_columns(name, &analysis.problem)? {
+        if let Some((column, part)) = beside_columns(name, &analysis.problem, &state.displacement)? {
             let mut found = Self { column, value: 0.0, parts: vec![(1.0, part)] };
             let (displacement, cavity_pressures) = (state.displacement.clone(), state.cavity_pressures.clone());
             let frozen = Frozen { displacement, cavity_pressures, lagrangians: Vec::new() };
             let value = found.explicit(&analysis.problem, &frozen);
             found.value = value.map_err(|error| refused(name, &error.to_string()))?;
+            if found.is_at_corner() {
+                return Err(refused(name, "nothing is deformed there, where it has a corner"));
+            }
             return Ok(found);
         }
         let found = columns(summary, tip);
@@ -115,6 +107,11 @@ impl Scalar {
             return Ok(Self { column: name.to_owned(), value: length, parts });
         };
         Ok(Self { column: column.clone(), value: *value, parts: vec![(1.0, part(column, analysis, tip)?)] })
+    }
+
+    /// Whether it is a measure of a stress or stretch that is the same as at rest everywhere.
+    fn is_at_corner(&self) -> bool {
+        self.parts.iter().any(|(_, part)| matches!(part, Part::Peak(peak) if self.value == peak.at_rest()))
     }
 
     /// What of it the adjoint is told at a state.
@@ -143,6 +140,8 @@ impl Scalar {
                     None
                 }
                 Part::SolidVolume | Part::Mass => None,
+                Part::Peak(peak) => Some(peak.gradient(problem, displacement)?),
+                Part::Gap(gap) => Some(gap.gradient(problem, displacement)?),
                 Part::Pressure(number) => {
                     by_pressure[*number] += weight * Pressure::from_mpa(1.0).kpa();
                     None
@@ -197,60 +196,13 @@ impl Scalar {
                     }
                     Part::SolidVolume => problem.parts_of_whole() as f64 * problem.mesh.volume(),
                     Part::Mass => mass(problem),
+                    Part::Peak(peak) => peak.value(problem, u)?,
+                    Part::Gap(gap) => gap.value(problem, u)?,
                     Part::Reaction(..) | Part::Obstacle(..) | Part::Energy => 0.0,
                 };
         }
         Ok(sum)
     }
-}
-
-/// Results that no table has: `centreline[12.5].x_mm` and `.z_mm`, the position of the point of the bottom centreline that is 12.5 mm from the clamp
-/// at rest, or with `centreline[25%]` at that share of its length; `silicone_volume_mm3` and `silicone_mass_g`. Their full names and parts.
-fn beside_columns(name: &str, problem: &Problem) -> Result<Option<(String, Part)>, InputError> {
-    match name.trim_end_matches("_mm3").trim_end_matches("_g") {
-        "silicone_volume" => return Ok(Some(("silicone_volume_mm3".to_owned(), Part::SolidVolume))),
-        "silicone_mass" => {
-            let (materials, of_element) = problem.materials();
-            if of_element.iter().any(|material| materials[usize::from(*material)].density == 0.0) {
-                return Err(refused(name, "the material has no density").of_key("material.density"));
-            }
-            return Ok(Some(("silicone_mass_g".to_owned(), Part::Mass)));
-        }
-        _ => {}
-    }
-    let Some((place, component)) = name.strip_prefix("centreline[").and_then(|rest| rest.split_once(']')) else {
-        return Ok(None);
-    };
-    let number = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    let along = match place.trim().strip_suffix('%') {
-        Some(percent) => number(percent).map(|percent| Along::Share(0.01 * percent)),
-        None => number(place).map(Along::Distance),
-    };
-    let axis = match component {
-        ".x" | ".x_mm" => Some(0),
-        ".z" | ".z_mm" => Some(2),
-        _ => None,
-    };
-    let (Some(along), Some(axis)) = (along, axis) else {
-        return Err(refused(name, "expected e.g. centreline[12.5].z or centreline[25%].x"));
-    };
-    if along.weights(problem).is_none() {
-        let length = centreline::length(problem);
-        let why = if length > 0.0 { format!("the centreline is {length} mm long") } else { "there is none".to_owned() };
-        return Err(refused(name, &why));
-    }
-    Ok(Some((format!("centreline[{}].{}_mm", place.trim(), ["x", "y", "z"][axis]), Part::Centreline(along, axis))))
-}
-
-/// Mass of the whole body, g.
-fn mass(problem: &Problem) -> f64 {
-    let (materials, of_element) = problem.materials();
-    let of_material = |number: usize| {
-        let elements = (0..of_element.len()).filter(|e| usize::from(of_element[*e]) == number);
-        materials[number].density * problem.mesh.volume_of(elements.map(|e| e as u32))
-    };
-    // Densities are in g/cm³.
-    1e-3 * problem.parts_of_whole() as f64 * (0..materials.len()).map(of_material).sum::<f64>()
 }
 
 /// The column of a name, or the three of a vector.
@@ -289,15 +241,18 @@ fn part(column: &str, analysis: &Analysis, tip: &Tip) -> Result<Part, InputError
         "cavity_volume_mm3" => return Ok(Part::Volume),
         "strain_energy_mj" => return Ok(Part::Energy),
         "max_von_mises_mpa" => {
-            return Err(refused(column, "the largest value is now at one place and now at another, and has corners"));
+            return Err(refused(column, "the largest value is now at one place and now at another, and has corners")
+                .with_help(Some("von_mises_norm[12] is smooth".to_owned())));
         }
         "von_mises_p99_mpa" => {
-            return Err(refused(column, "it is the value of one point or of the next one, and jumps"));
+            return Err(refused(column, "it is the value of one point or of the next one, and jumps")
+                .with_help(Some("von_mises_quantile[99%] is smooth".to_owned())));
         }
         "time" | "pressure_kpa" => return Err(refused(column, "it is given, not found")),
         "iterations" | "load_steps" => return Err(refused(column, "it is a count")),
         column if column.starts_with("contact.") => {
-            return Err(refused(column, "it is found by samples of the walls, and has corners"));
+            let help = column.starts_with("contact.min_gap").then(|| "smallest_gap[0.02] is smooth".to_owned());
+            return Err(refused(column, "it is found by samples of the walls, and has corners").with_help(help));
         }
         _ => {}
     }
@@ -327,7 +282,8 @@ fn part(column: &str, analysis: &Analysis, tip: &Tip) -> Result<Part, InputError
     Ok(Part::Displacement(node.ok_or_else(none)?, axis))
 }
 
-fn refused(column: &str, why: &str) -> InputError {
+/// A result without a derivative.
+pub(super) fn refused(column: &str, why: &str) -> InputError {
     InputError::new(format!("no derivative of {column}: {why}"))
 }
 

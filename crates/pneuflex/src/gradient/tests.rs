@@ -56,7 +56,7 @@ fn touches(state: &StepSummary) -> bool {
     state.contact.gaps_in_contact == 1 && state.obstacles["table"].force_n[2] < -1e-3
 }
 
-const OF_CASE: [&str; 10] = [
+const OF_CASE: [&str; 15] = [
     "end_face_angle",
     "chord_angle",
     "tip.z",
@@ -67,6 +67,11 @@ const OF_CASE: [&str; 10] = [
     "strain_energy",
     "centreline[7.3].x",
     "centreline[60%].z",
+    "von_mises_norm[12]",
+    "von_mises_quantile[99%]",
+    "stretch_norm[12]",
+    "stretch_quantile[99%]",
+    "smallest_gap[0.02]",
 ];
 
 #[test]
@@ -92,8 +97,10 @@ fn lengths_count_by_their_nodes() {
         let lengths = ["side_wall", "top_wall", "base", "gap", "cavity_length[1]"];
         let keys = lengths.map(|length| format!("actuator.{length}"));
         let state = analysis.solve().unwrap().fields.pop().unwrap();
+        // Of more results than that, slopes along all nodes are more work.
+        let columns = &OF_CASE[OF_CASE.len() - RESULTS_PER_LENGTH * lengths.len()..];
         let [by_nodes, plain] =
-            [true, false].map(|by_nodes| analysis.gradients_at(&state, &OF_CASE, Some(&keys), by_nodes).unwrap());
+            [true, false].map(|by_nodes| analysis.gradients_at(&state, columns, Some(&keys), by_nodes).unwrap());
         for (a, b) in by_nodes.iter().zip(&plain) {
             for key in &keys {
                 let of = |gradient: &Gradient| gradient.derivatives.iter().find(|d| d.by == *key).unwrap().derivative;
@@ -197,6 +204,9 @@ fn what_has_no_derivative_is_refused_by_name() {
         ("pressure_kpa", "it is given"),
         ("iterations", "a count"),
         ("silicone_mass", "no density"),
+        ("von_mises_norm[0.5]", "an exponent from 1 to 100"),
+        ("stretch_quantile[99]", "a share from 50% to 99.99%"),
+        ("smallest_gap[0]", "mm above 0"),
         ("centreline[99].z", "is 16.5 mm long"),
         ("centreline[5].y", "expected e.g."),
         ("angle", "no such result"),
@@ -230,6 +240,8 @@ fn what_has_no_derivative_is_refused_by_name() {
     }
     let model = Study::from_text("model.toml", MODEL).unwrap().build().unwrap();
     assert!(by(&model, "load.times").contains("a load has a corner at time 1"));
+    let error = model.check_gradients(&requests(&["smallest_gap[0.02]"])).unwrap_err().to_string();
+    assert!(error.contains("no walls that may touch"), "{error}");
     let deck = Study::from_text("c.inp", crate::convergence::PULLED_CUBE).unwrap().build().unwrap();
     let error = deck.check_gradients(&requests(&["strain_energy"])).unwrap_err().to_string();
     assert!(error.starts_with("a deck has no keys"), "{error}");

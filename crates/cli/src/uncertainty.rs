@@ -1,0 +1,78 @@
+//! `pneuflex uncertainty`: how far results spread by the tolerances of lengths and constants.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+
+use pneuflex::{Error, json};
+use pneuflex_inverse::search::base;
+use pneuflex_inverse::uncertainty::{Contribution, Sampled, Spread, Tolerances, Uncertainty};
+use pneuflex_sweep::node::Node;
+
+use crate::args::UncertaintyArguments;
+use crate::error::CliError;
+use crate::interrupt;
+use crate::outcome::Outcome;
+use crate::search::number;
+use crate::terminal::say;
+
+/// Contributors that are named in the table.
+const MOST_NAMED: usize = 3;
+
+/// Prints a row for every result at every pressure.
+///
+/// # Errors
+/// Bad input, found before anything is solved; a case that has no results; a file that cannot be written.
+pub fn uncertainty(arguments: &UncertaintyArguments) -> Result<Outcome, CliError> {
+    let UncertaintyArguments { case, of, tolerance, check, json: out, solve } = arguments;
+    solve.with.use_threads()?;
+    let base = base(case.case.clone(), &Node::default(), &case.changes()?);
+    let stop = interrupt::listen();
+    let ready = Tolerances::new(base, tolerance, of, solve.memory_limit(), &stop)?;
+    let told = &mut |solved: usize| {
+        if !solve.with.quiet {
+            say(&format!("design {solved} of {check}"));
+        }
+    };
+    let found = match ready.solve(usize::from(*check), told) {
+        Ok(found) => found,
+        Err(Error::Interrupted(_)) => {
+            say("interrupted");
+            return Ok(Outcome::Interrupted);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if let Some(out) = out {
+        let text = json::pretty(&found).map_err(CliError::Output)?;
+        fs::write(out, text).map_err(|e| CliError::Output(format!("{}: cannot be written: {e}", out.display())))?;
+    }
+    // Nobody reading on is no error.
+    let _ = std::io::stdout().write_all(text(&found).as_bytes());
+    Ok(Outcome::Converged)
+}
+
+fn text(found: &Uncertainty) -> String {
+    let of_designs = found.designs.map(|count| format!(" {:>18}", format!("of {count} designs"))).unwrap_or_default();
+    let mut text = format!("{:<28} {:>12} {:>12}{of_designs}  by\n", "", "value", "std. dev.");
+    for Spread { of, value, standard_deviation, contributions, sampled } in &found.results {
+        let named = contributions.iter().filter(|part| part.share > 0.0).take(MOST_NAMED);
+        let named: Vec<String> =
+            named.map(|Contribution { by, share, .. }| format!("{by} {:.0} %", 100.0 * share)).collect();
+        let sampled = match sampled {
+            Some(Sampled { standard_deviation, .. }) => format!(" {:>18}", number(*standard_deviation)),
+            None => " ".repeat(of_designs.chars().count()),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{of:<28} {:>12} {:>12}{sampled}  {}",
+            number(*value),
+            number(*standard_deviation),
+            named.join(", ")
+        );
+    }
+    if let Some(count) = found.without_results.filter(|count| *count > 0) {
+        let _ = writeln!(text, "{count} designs have no results, and do not count");
+    }
+    text
+}
