@@ -271,12 +271,15 @@ mod tests {
         problem.obstacles.push(ball);
         let html = page_of(problem, "t", force);
         assert!(html.contains("data-obstacle=\"0\"") && !html.contains("<b>ball"));
-        let drawn = &body_of(&html)["obstacles"][0];
+        let body = body_of(&html);
+        let (drawn, origin) = (&body["obstacles"][0], &body["origin"]);
+        let place = [9.0, 0.0, -8.0];
+        let relative: [f64; 3] = std::array::from_fn(|d| place[d] - origin[d].as_f64().unwrap());
         assert_eq!(
             (&drawn["name"], &drawn["shape"], &drawn["mirrored"]),
             (&json!("<b>ball"), &json!("sphere"), &json!([false, false, false]))
         );
-        assert_eq!((&drawn["centre"], &drawn["size"]), (&json!([9.0, 0.0, -8.0]), &json!([10.0, 10.0, 10.0])));
+        assert_eq!((&drawn["centre"], &drawn["size"]), (&json!(relative), &json!([10.0, 10.0, 10.0])));
         assert!(html.contains("force on it x, y, z") && html.contains("0.000, 0.000, −1.000"));
     }
 

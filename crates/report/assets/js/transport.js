@@ -6,6 +6,9 @@ import { Curve, interval } from "pneuflex/interpolation";
 /** Seconds from rest to the end. */
 const SWEEP = 4;
 
+/** Pictures of a film at least. */
+const FEWEST = 24;
+
 /** The time shown: the parameter that results depend on, whatever its name. */
 export class Clock {
   /**
@@ -166,15 +169,20 @@ export class Transport {
     this.keyNumbers.textContent = this.numbers.map((text) => text(value)).join(" · ");
   }
 
-  /** To the end and back, until stopped; `once`: there, and no further, and then `done`. */
+  /**
+   * To the end and back, until stopped; `once`: there, and no further, and then `done`, in at least so many pictures as a film needs: where
+   * drawing takes long, it is slower.
+   */
   play(once = false, done = () => {}) {
     this.stop();
     const { highest, value } = this.clock;
     // Where on the wave the present time is.
-    const phase = value >= highest ? Math.PI : Math.acos(1 - (2 * value) / highest);
-    const began = performance.now();
+    let angle = value >= highest ? Math.PI : Math.acos(1 - (2 * value) / highest);
+    let before = performance.now();
+    const [speed, longest] = once ? [1.6, Math.PI / FEWEST] : [1, Infinity];
     const step = (now) => {
-      const angle = phase + ((now - began) / 1000 / SWEEP) * Math.PI * (once ? 1.6 : 1);
+      angle += Math.min(((now - before) / 1000 / SWEEP) * Math.PI * speed, longest);
+      before = now;
       if (once && angle >= Math.PI) {
         this.choose(highest);
         return done();
