@@ -53,7 +53,7 @@ tasks:
             turned, split, resumed, ...; fails if one has two, and writes it into target/relations;
             --docs of this and of fuzz and kills writes what was found into docs/relations.md
             [--quick] [--draws N] [--seed S] [--from NUMBER] [--only PART OF A NAME] [--docs]
-  report-test [RESULT_DIR]
+  report-test [--all] [RESULT_DIR]
             open the report of a run in Chromium and use it: clicks, slider, colours, sections; pictures of it in
             target/report-test
   tidy      check the rules of this repository: arrows between crates, docs

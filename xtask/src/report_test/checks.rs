@@ -9,33 +9,41 @@ use super::Results;
 use super::browser::Browser;
 use super::visit::{SCREENS, Screen, TOLERANCE, Visit, distance, expect};
 
-/// Opens the report on a screen and uses it like somebody who wants to know.
+/// Opens the report on a screen and uses it like somebody who wants to know: every control, or only what looks different by dark.
 ///
 /// # Errors
 /// The first thing that is not as it should be.
-pub fn look(browser: &mut Browser, screen: &Screen, results: &Results, pictures: &Path) -> Result<(), String> {
+pub fn look(
+    browser: &mut Browser,
+    screen: &Screen,
+    results: &Results,
+    pictures: &Path,
+    uses_every_control: bool,
+) -> Result<(), String> {
     let mut visit = Visit { browser, screen, results, pictures };
     visit.open()?;
     visit.picture("1-first-look")?;
     let tip = visit.probe()?;
-    visit.slider(&tip)?;
-    visit.keys_of_slider()?;
-    visit.play()?;
     visit.legend()?;
-    visit.more_fields()?;
-    visit.range()?;
-    visit.ticks()?;
-    visit.without_perspective()?;
-    visit.snapshot()?;
-    visit.photo()?;
-    visit.plots()?;
-    visit.pointer_on_plots()?;
-    visit.film()?;
     visit.section()?;
-    visit.cut()?;
-    visit.close_readings()?;
-    visit.views()?;
     visit.theme()?;
+    if uses_every_control {
+        visit.slider(&tip)?;
+        visit.keys_of_slider()?;
+        visit.play()?;
+        visit.more_fields()?;
+        visit.range()?;
+        visit.ticks()?;
+        visit.without_perspective()?;
+        visit.snapshot()?;
+        visit.photo()?;
+        visit.plots()?;
+        visit.pointer_on_plots()?;
+        visit.film()?;
+        visit.cut()?;
+        visit.close_readings()?;
+        visit.views()?;
+    }
     visit.whole_page()?;
     let complaints = visit.browser.complaints()?;
     expect(complaints.is_empty(), || format!("the page complains: {complaints:?}"))
