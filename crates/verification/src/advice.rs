@@ -84,11 +84,12 @@ const fn row(
 }
 
 /// What takes long.
-const SLOW: [Occasion; 5] = [
+const SLOW: [Occasion; 6] = [
     Occasion::InvertedElement,
     Occasion::Overlap,
     Occasion::Unmeasured,
     Occasion::GreatestPressure,
+    Occasion::Jumped,
     Occasion::LinearElements,
 ];
 

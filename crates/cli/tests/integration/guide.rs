@@ -4,9 +4,8 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use crate::support::{Ended, Scratch, ended};
+use crate::support::{Ended, Scratch, alone, ended};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -61,7 +60,7 @@ fn shell(scratch: &Scratch, script: &str) -> Ended {
     let program = Path::new(env!("CARGO_BIN_EXE_pneuflex")).parent().unwrap();
     let mut path = vec![program.to_owned()];
     path.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
-    let mut command = Command::new("sh");
+    let mut command = alone("sh");
     command.args(["-e", "-c", script]).current_dir(scratch.path(".")).env("PATH", std::env::join_paths(path).unwrap());
     ended(command.output().unwrap())
 }

@@ -36,7 +36,7 @@ impl Scratch {
 
     /// Starts the program in the folder.
     pub fn start(&self, arguments: &[&str]) -> Child {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pneuflex"));
+        let mut command = alone(env!("CARGO_BIN_EXE_pneuflex"));
         command.args(arguments).current_dir(&self.0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
@@ -63,8 +63,15 @@ pub struct Ended {
     pub err: String,
 }
 
+/// A command that leaves the other cores to the other tests.
+pub fn alone(program: &str) -> Command {
+    let mut command = Command::new(program);
+    command.env("RAYON_NUM_THREADS", "1");
+    command
+}
+
 fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
-    ended(Command::new(env!("CARGO_BIN_EXE_pneuflex")).args(arguments).current_dir(folder).output().unwrap())
+    ended(alone(env!("CARGO_BIN_EXE_pneuflex")).args(arguments).current_dir(folder).output().unwrap())
 }
 
 /// How a program that was started has ended.

@@ -45,7 +45,8 @@ fn signed_volume(mesh: &Mesh, set: &str) -> f64 {
 #[test]
 fn default_half_models_have_the_volumes_of_the_theory() {
     for kind in ElementKind::ALL {
-        for h in [1.0, 2.0, 4.5] {
+        // Fine meshes only of what has few nodes.
+        for &h in if kind == ElementKind::Hex8 { &[1.0, 2.0, 4.5][..] } else { &[4.5] } {
             let two = build_actuator(&Actuator::two_chambers(), &size(h), kind).unwrap();
             assert!((two.volume() - 1268.0).abs() < 1e-8, "{kind:?} at {h}: {}", two.volume());
             let full = build_actuator(&Actuator::full(), &size(h), kind).unwrap();
@@ -159,8 +160,8 @@ fn chambers_without_gaps_are_a_block_with_cavities() {
                     let mut block = Actuator { chambers: 3, gap: 0.0.into(), flange: 0.3, ..Actuator::two_chambers() };
                     block.channel.half_width = half_width;
                     let size = MeshSize { edge, ..MeshSize::uniform(h) };
-                    // Coarse meshes only of what has many nodes.
-                    if h < 1.0 && kind != ElementKind::Hex8 {
+                    // Fine meshes only of what has few nodes.
+                    if h < 3.0 && kind != ElementKind::Hex8 {
                         continue;
                     }
                     let mesh = build_actuator(&block, &size, kind).unwrap();
@@ -311,6 +312,10 @@ fn chambers_that_differ_have_the_volumes_of_their_lengths() {
         let solid = sides * (length * 10.0 * 4.0 + outer * 10.0 * 9.0) - air.iter().sum::<f64>();
         for kind in ElementKind::ALL {
             for size in [size(2.0), size(4.5), MeshSize { edge: 0.9, ..size(6.0) }] {
+                // Fine meshes only of what has few nodes.
+                if size.size[0] < 3.0 && kind != ElementKind::Hex8 {
+                    continue;
+                }
                 let mesh = build_actuator(&actuator, &size, kind).unwrap();
                 assert!((mesh.volume() - solid).abs() < 1e-8 * solid, "{kind:?}: {} {solid}", mesh.volume());
                 for (i, air) in air.iter().enumerate() {
