@@ -583,6 +583,9 @@ pub struct TableArguments {
     /// angles, tip and probes, cavities, forces on obstacles and the 99 % stress]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Option<Vec<String>>,
+    /// A row for every load step between the pressures or times, too, that was solved to the tolerances; such rows have no stresses
+    #[arg(long)]
+    pub load_steps: bool,
 }
 
 /// Forms of a table.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-use pneuflex::columns::{Tip, columns as numbers};
+use pneuflex::columns::{Tip, columns as numbers, columns_of_load_step};
 use pneuflex::model::StateKind;
 use pneuflex::recorded_states::{Place, RecordedState, RecordedStates};
 use pneuflex::{InputError, Pairs, Study, json};
@@ -28,7 +28,11 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// A folder that is none of this program's, runs that have no row in common, a column that is nowhere.
 pub fn table(arguments: &TableArguments) -> Result<(), CliError> {
-    let runs = arguments.results.iter().map(|folder| Run::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments
+        .results
+        .iter()
+        .map(|folder| Run::read(folder, arguments.load_steps))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut table = if let [run] = &runs[..] { Table::of(run) } else { Table::side_by_side(&runs)? };
     match (&arguments.columns, arguments.form) {
         (Some(wanted), _) => table.choose(wanted)?,
@@ -55,12 +59,13 @@ struct Run {
 }
 
 impl Run {
-    fn read(folder: &Path) -> Result<Self, CliError> {
+    fn read(folder: &Path, with_load_steps: bool) -> Result<Self, CliError> {
         let recorded = RecordedStates::read(folder)?;
         let tip = Tip::of(&Study::load(folder.join("case.toml"))?);
         let is_plain =
             |state: &RecordedState| state.numbers.is_some() && state.place == Place::OnPath(StateKind::Requested);
-        let says_which = !recorded.states.iter().all(is_plain);
+        let load_steps = recorded.load_steps.iter().filter(|_| with_load_steps);
+        let says_which = load_steps.clone().next().is_some() || !recorded.states.iter().all(is_plain);
         let parameter = if recorded.is_by_time { "time" } else { "pressure_kpa" };
         let rows = recorded.states.iter().map(|state| {
             let mut row = Pairs::default();
@@ -71,12 +76,25 @@ impl Run {
             row.0.extend(found.0.into_iter().filter(|(name, _)| name != parameter));
             (state.parameter, row)
         });
+        let mut rows: Vec<(f64, Pairs)> = rows.collect();
+        for step in load_steps {
+            let mut row = Pairs::default();
+            row.0.push(("state".into(), "load step".into()));
+            row.0.extend(columns_of_load_step(step, &tip).0.into_iter().filter(|(name, _)| name != parameter));
+            let at = step.when().0;
+            let is_beyond = |row: &(f64, Pairs)| row.0 > at;
+            // Among what the path has come to: what it missed comes last.
+            let place = rows.iter().position(is_beyond).unwrap_or(rows.len());
+            if rows.iter().all(|row| row.0 != at) {
+                rows.insert(place, (at, row));
+            }
+        }
         let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let path = folder.display().to_string();
         Ok(Self {
             name: name.unwrap_or_else(|| path.clone()),
             has_turned: recorded.has_turned(),
-            rows: rows.collect(),
+            rows,
             folder: path,
             parameter,
         })
