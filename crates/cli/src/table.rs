@@ -17,6 +17,9 @@ use crate::error::CliError;
 const USUAL: [&str; 7] =
     ["end_face_angle_deg", "chord_angle_deg", "tip", "probe", "cavity", "obstacle", "von_mises_p99_mpa"];
 
+/// What a text has beside the stress where it would have nothing else.
+const OTHERWISE: &str = "reaction";
+
 /// Digits that count in the largest number of a column of a text.
 const DIGITS: i32 = 5;
 
@@ -223,13 +226,17 @@ impl Table {
             *of_vector = of_vector.max(column.largest());
         }
         let has_tip = self.columns.iter().any(|column| column.quantity.starts_with("tip."));
+        let first = |column: &Column| column.quantity.split('.').next().unwrap_or_default().to_owned();
+        let is_telling = |column: &Column| USUAL[..USUAL.len() - 1].contains(&first(column).as_str());
+        let otherwise = if self.columns.iter().any(is_telling) { "" } else { OTHERWISE };
         self.columns.retain(|column| {
             let quantity = column.quantity.split('.').next().unwrap_or_default();
             let is_there = column.largest() > ROUNDING * largest[column.vector()];
             // The probe of that name is the tip, as a rule, and stands there as such.
             let is_twice =
                 column.quantity.strip_prefix("probe.").is_some_and(|probe| probe.starts_with("tip.")) && has_tip;
-            column.quantity == "state" || (USUAL.contains(&quantity) && is_there && !is_twice)
+            column.quantity == "state"
+                || ((USUAL.contains(&quantity) || quantity == otherwise) && is_there && !is_twice)
         });
         let place = |column: &Column| {
             let quantity = column.quantity.split('.').next().unwrap_or_default();
