@@ -13,6 +13,7 @@ mod gradients;
 mod identify;
 mod kills;
 mod obstacles;
+mod pictures;
 mod program;
 mod record;
 mod relations;
@@ -49,6 +50,9 @@ tasks:
   kills     random problems by the real program, killed twice at random moments and gone on with: each must end as if nothing had been
             [--draws N] [--seed S] [--docs]
   obstacles iterations where an obstacle moves and where supports do, by shape, element, stiffness and size
+  pictures  reports of six runs from top to bottom, on desk and phone, light and dark, to be looked at, in target/pictures; and the
+            guide's mould
+            [--docs]
   relations random problems, each written in two ways that must have one solution: case and model, half and whole, mm and m,
             turned, split, resumed, ...; fails if one has two, and writes it into target/relations;
             --docs of this and of fuzz and kills writes what was found into docs/relations.md
@@ -79,6 +83,7 @@ fn main() -> ExitCode {
         Some("identify") => identify::run(&arguments[1..]),
         Some("kills") => kills::run(&arguments[1..]),
         Some("obstacles") if rest.is_empty() => obstacles::run(),
+        Some("pictures") => pictures::run(&arguments[1..]),
         Some("relations") => relations::run(&arguments[1..]),
         Some("report-test") => report_test::run(&arguments[1..]),
         Some("validate") => validate::run(&arguments[1..]),

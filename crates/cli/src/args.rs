@@ -580,9 +580,12 @@ pub struct TableArguments {
     #[arg(long = "as", value_name = "FORM", value_enum, default_value_t = TableForm::Text)]
     pub form: TableForm,
     /// Columns, e.g. end_face_angle_deg,tip: a name stands for everything that begins with it and a full stop, too [default: all; of a text
-    /// angles, tip and probes, cavities, forces on obstacles and the 99 % stress]
+    /// angles, tip and probes, cavities, forces on obstacles and the 99 % stress; reactions where there is but the stress]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Option<Vec<String>>,
+    /// A row for every load step between the pressures or times, too, that was solved to the tolerances; such rows have no stresses
+    #[arg(long)]
+    pub load_steps: bool,
 }
 
 /// Forms of a table.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-use pneuflex::columns::{Tip, columns as numbers};
+use pneuflex::columns::{Tip, columns as numbers, columns_of_load_step};
 use pneuflex::model::StateKind;
 use pneuflex::recorded_states::{Place, RecordedState, RecordedStates};
 use pneuflex::{InputError, Pairs, Study, json};
@@ -17,6 +17,9 @@ use crate::error::CliError;
 const USUAL: [&str; 7] =
     ["end_face_angle_deg", "chord_angle_deg", "tip", "probe", "cavity", "obstacle", "von_mises_p99_mpa"];
 
+/// What a text has beside the stress where it would have nothing else.
+const OTHERWISE: &str = "reaction";
+
 /// Digits that count in the largest number of a column of a text.
 const DIGITS: i32 = 5;
 
@@ -28,7 +31,11 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// A folder that is none of this program's, runs that have no row in common, a column that is nowhere.
 pub fn table(arguments: &TableArguments) -> Result<(), CliError> {
-    let runs = arguments.results.iter().map(|folder| Run::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments
+        .results
+        .iter()
+        .map(|folder| Run::read(folder, arguments.load_steps))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut table = if let [run] = &runs[..] { Table::of(run) } else { Table::side_by_side(&runs)? };
     match (&arguments.columns, arguments.form) {
         (Some(wanted), _) => table.choose(wanted)?,
@@ -55,12 +62,13 @@ struct Run {
 }
 
 impl Run {
-    fn read(folder: &Path) -> Result<Self, CliError> {
+    fn read(folder: &Path, with_load_steps: bool) -> Result<Self, CliError> {
         let recorded = RecordedStates::read(folder)?;
         let tip = Tip::of(&Study::load(folder.join("case.toml"))?);
         let is_plain =
             |state: &RecordedState| state.numbers.is_some() && state.place == Place::OnPath(StateKind::Requested);
-        let says_which = !recorded.states.iter().all(is_plain);
+        let load_steps = recorded.load_steps.iter().filter(|_| with_load_steps);
+        let says_which = load_steps.clone().next().is_some() || !recorded.states.iter().all(is_plain);
         let parameter = if recorded.is_by_time { "time" } else { "pressure_kpa" };
         let rows = recorded.states.iter().map(|state| {
             let mut row = Pairs::default();
@@ -71,12 +79,25 @@ impl Run {
             row.0.extend(found.0.into_iter().filter(|(name, _)| name != parameter));
             (state.parameter, row)
         });
+        let mut rows: Vec<(f64, Pairs)> = rows.collect();
+        for step in load_steps {
+            let mut row = Pairs::default();
+            row.0.push(("state".into(), "load step".into()));
+            row.0.extend(columns_of_load_step(step, &tip).0.into_iter().filter(|(name, _)| name != parameter));
+            let at = step.when().0;
+            let is_beyond = |row: &(f64, Pairs)| row.0 > at;
+            // Among what the path has come to: what it missed comes last.
+            let place = rows.iter().position(is_beyond).unwrap_or(rows.len());
+            if rows.iter().all(|row| row.0 != at) {
+                rows.insert(place, (at, row));
+            }
+        }
         let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let path = folder.display().to_string();
         Ok(Self {
             name: name.unwrap_or_else(|| path.clone()),
             has_turned: recorded.has_turned(),
-            rows: rows.collect(),
+            rows,
             folder: path,
             parameter,
         })
@@ -205,13 +226,17 @@ impl Table {
             *of_vector = of_vector.max(column.largest());
         }
         let has_tip = self.columns.iter().any(|column| column.quantity.starts_with("tip."));
+        let first = |column: &Column| column.quantity.split('.').next().unwrap_or_default().to_owned();
+        let is_telling = |column: &Column| USUAL[..USUAL.len() - 1].contains(&first(column).as_str());
+        let otherwise = if self.columns.iter().any(is_telling) { "" } else { OTHERWISE };
         self.columns.retain(|column| {
             let quantity = column.quantity.split('.').next().unwrap_or_default();
             let is_there = column.largest() > ROUNDING * largest[column.vector()];
             // The probe of that name is the tip, as a rule, and stands there as such.
             let is_twice =
                 column.quantity.strip_prefix("probe.").is_some_and(|probe| probe.starts_with("tip.")) && has_tip;
-            column.quantity == "state" || (USUAL.contains(&quantity) && is_there && !is_twice)
+            column.quantity == "state"
+                || ((USUAL.contains(&quantity) || quantity == otherwise) && is_there && !is_twice)
         });
         let place = |column: &Column| {
             let quantity = column.quantity.split('.').next().unwrap_or_default();

@@ -13,6 +13,7 @@
 
 mod error;
 pub mod gif;
+mod glb;
 pub mod gltf;
 pub mod linear_mesh;
 pub mod mould;

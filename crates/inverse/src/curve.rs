@@ -1,10 +1,9 @@
 //! A curve in the plane in which actuators bend, by its points.
 
-use std::fs;
 use std::path::Path;
 
-use csv::{ReaderBuilder, Trim};
 use pneuflex::InputError;
+use pneuflex::number_table::NumberTable;
 
 /// Points along x and z, mm, and how far along the curve they are.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,24 +49,11 @@ impl Curve {
 /// A file that cannot be read, or is no such table.
 pub fn read(path: &Path) -> Result<Curve, InputError> {
     let refused = |what: String| InputError::about_file(path, what);
-    let text = fs::read_to_string(path).map_err(|error| refused(format!("cannot be read: {error}")))?;
-    let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(text.as_bytes());
-    let names = reader.headers().map_err(|error| refused(error.to_string()))?.clone();
-    let column = |name: &str| {
-        let found = names.iter().position(|other| other == name);
-        found.ok_or_else(|| refused(format!("no column is called {name}")))
-    };
+    let table = NumberTable::read(path)?;
+    let column = |name: &str| table.column(name).ok_or_else(|| refused(format!("no column is called {name}")));
     let columns = [column("x_mm")?, column("z_mm")?];
-    let mut points = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|error| refused(error.to_string()))?;
-        let line = row.position().map_or(0, csv::Position::line);
-        let number = |column: usize| {
-            let cell = &row[column];
-            cell.parse::<f64>().map_err(|_| refused(format!("line {line}: \"{cell}\" is no number")))
-        };
-        points.push([number(columns[0])?, number(columns[1])?]);
-    }
+    let point = |row| Ok([table.given(row, columns[0])?, table.given(row, columns[1])?]);
+    let points = (0..table.num_rows()).map(point).collect::<Result<_, InputError>>()?;
     Curve::new(points).map_err(refused)
 }
 

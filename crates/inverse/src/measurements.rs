@@ -1,10 +1,9 @@
 //! Measurements at pressures: a table in CSV.
 
-use std::fs;
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
 use pneuflex::InputError;
+use pneuflex::number_table::NumberTable;
 
 /// First columns of a table: what is on the load path.
 const POSITIONS: [&str; 2] = ["pressure_kpa", "time"];
@@ -27,14 +26,8 @@ pub struct Measured {
 /// A file that cannot be read; columns and cells that are none, by line and name.
 pub fn read(path: &Path, wanted: Option<&[String]>) -> Result<Vec<Measured>, InputError> {
     let refused = |what: String| InputError::about_file(path, what);
-    let text = fs::read_to_string(path).map_err(|error| refused(format!("cannot be read: {error}")))?;
-    let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(text.as_bytes());
-    let names: Vec<String> =
-        reader.headers().map_err(|error| refused(error.to_string()))?.iter().map(str::to_owned).collect();
-    let repeated = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name));
-    if let Some((_, name)) = repeated {
-        return Err(refused(format!("two columns are called \"{name}\"")));
-    }
+    let table = NumberTable::read(path)?;
+    let names = table.names();
     let position = names.iter().position(|name| POSITIONS.contains(&name.as_str()));
     let position = position.ok_or_else(|| refused("no column is called pressure_kpa or time".to_owned()))?;
     if let Some(missing) = wanted.into_iter().flatten().find(|name| !names.contains(name)) {
@@ -42,21 +35,15 @@ pub fn read(path: &Path, wanted: Option<&[String]>) -> Result<Vec<Measured>, Inp
     }
     let counts = |column: usize| column != position && wanted.is_none_or(|wanted| wanted.contains(&names[column]));
     let mut found = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|error| refused(error.to_string()))?;
-        let line = row.position().map_or(0, csv::Position::line);
-        let number = |row: &StringRecord, column: usize| {
-            let cell = &row[column];
-            let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
-            number.ok_or_else(|| refused(format!("line {line}, {}: \"{cell}\" is no number", names[column])))
-        };
-        let at = number(&row, position)?;
+    for row in 0..table.num_rows() {
+        let at = table.given(row, position)?;
         if at == 0.0 {
-            let what = format!("line {line}, {}: at 0 the body is at rest, which tells nothing of it", names[position]);
-            return Err(refused(what));
+            let what = format!(", {}: at 0 the body is at rest, which tells nothing of it", names[position]);
+            return Err(table.refused(row, &what));
         }
-        for column in (0..names.len()).filter(|column| counts(*column) && !row[*column].is_empty()) {
-            found.push(Measured { column: names[column].clone(), at, value: number(&row, column)? });
+        for column in (0..names.len()).filter(|column| counts(*column)) {
+            let value = table.number(row, column)?;
+            found.extend(value.map(|value| Measured { column: names[column].clone(), at, value }));
         }
     }
     if found.is_empty() {

@@ -1,4 +1,4 @@
-//! Charts: lines and points over axes, bars of a tornado.
+//! Charts: lines and points over axes.
 //!
 //! ```
 //! use pneuflex_plot::chart::{Chart, Series};
@@ -14,9 +14,9 @@
 //! # Ok::<(), pneuflex_plot::PlotError>(())
 //! ```
 
+use crate::axis::{Area, Axis, INK, MARGIN, SMALL, TEXT, TITLE, equal};
+pub use crate::axis::{Scale, ticks};
 use crate::drawing::{Anchor, Colour, Drawing, Stroke, text_width, wrapped};
-use pneuflex_post::check;
-
 use crate::error::PlotError;
 
 /// Colours that readers with any colour vision can tell apart (M. Okabe and K. Ito), darkest first.
@@ -85,16 +85,6 @@ impl Series {
     }
 }
 
-/// How numbers become lengths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Scale {
-    /// Proportionally.
-    #[default]
-    Linear,
-    /// By their logarithm; numbers must be greater than 0.
-    Logarithmic,
-}
-
 /// Lines and points over two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
@@ -123,13 +113,6 @@ pub struct Chart {
     /// Height of the axes, px; with equal axes the largest one.
     pub height: f64,
 }
-
-const MARGIN: f64 = 14.0;
-const TITLE: f64 = 16.0;
-const TEXT: f64 = 12.0;
-const SMALL: f64 = 11.0;
-const INK: Colour = Colour([34, 34, 34]);
-const GRID: Colour = Colour([225, 225, 225]);
 
 impl Chart {
     /// A chart without series.
@@ -240,106 +223,7 @@ impl Chart {
     }
 }
 
-/// An axis: its range as drawn (logarithms on a logarithmic one) and its ticks.
-struct Axis {
-    low: f64,
-    high: f64,
-    scale: Scale,
-}
-
-impl Axis {
-    fn around(values: &[f64], scale: Scale, label: &str) -> Result<Self, PlotError> {
-        let what = if label.is_empty() { "chart" } else { label };
-        check(what, values, values.len())?;
-        if scale == Scale::Logarithmic && values.iter().any(|v| *v <= 0.0) {
-            return Err(PlotError::NotDrawable {
-                what: format!("{what}: a number of 0 or less on a logarithmic axis"),
-            });
-        }
-        let drawn = values.iter().map(|v| if scale == Scale::Logarithmic { v.log10() } else { *v });
-        let (low, high) = drawn.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        if low > high {
-            return Err(PlotError::NotDrawable { what: format!("{what}: a chart without numbers") });
-        }
-        let room = if high > low { 0.05 * (high - low) } else { 0.5 * low.abs().max(1e-3) };
-        let touch = |end: f64| scale == Scale::Linear && end == 0.0;
-        // An axis that begins at zero begins there.
-        let low = if touch(low) { low } else { low - room };
-        let high = if touch(high) { high } else { high + room };
-        Ok(Self { low, high, scale })
-    }
-
-    fn ticks(&self) -> Vec<(f64, String)> {
-        match self.scale {
-            Scale::Linear => ticks(self.low, self.high, 7),
-            Scale::Logarithmic => logarithmic_ticks(self.low, self.high),
-        }
-    }
-
-    fn widest_tick(&self) -> f64 {
-        self.ticks().iter().map(|t| text_width(&t.1, SMALL)).fold(0.0, f64::max)
-    }
-
-    fn share(&self, value: f64) -> f64 {
-        let drawn = if self.scale == Scale::Logarithmic { value.log10() } else { value };
-        (drawn - self.low) / (self.high - self.low)
-    }
-
-    fn widen(&mut self, share: f64) {
-        self.high += share * (self.high - self.low);
-    }
-}
-
-/// Makes a unit equally long on both axes; returns the height of the axes, no more than `height`.
-fn equal(x: &mut Axis, y: &mut Axis, width: f64, height: f64) -> f64 {
-    let (wide, high) = (x.high - x.low, y.high - y.low);
-    if high * width / wide <= height {
-        return high * width / wide;
-    }
-    let extra = high * width / height - wide;
-    (x.low, x.high) = (x.low - 0.5 * extra, x.high + 0.5 * extra);
-    height
-}
-
-/// The rectangle between the axes.
-struct Area<'a> {
-    left: f64,
-    top: f64,
-    width: f64,
-    height: f64,
-    x: &'a Axis,
-    y: &'a Axis,
-}
-
 impl Area<'_> {
-    fn to(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [self.left + self.x.share(x) * self.width, self.top + (1.0 - self.y.share(y)) * self.height]
-    }
-
-    fn draw_axes(&self, drawing: &mut Drawing) {
-        let (right, bottom) = (self.left + self.width, self.top + self.height);
-        let thin = Stroke::solid(GRID, 1.0);
-        let mut free_from = f64::NEG_INFINITY;
-        for (value, text) in self.x.ticks() {
-            let x = self.left + self.x.share(value) * self.width;
-            drawing.line(&[[x, self.top], [x, bottom]], thin.clone());
-            drawing.line(&[[x, bottom], [x, bottom + 4.0]], Stroke::solid(INK, 1.0));
-            let half = 0.5 * text_width(&text, SMALL);
-            if x - half > free_from {
-                drawing.text(&text, [x, bottom + SMALL + 6.0], SMALL, Anchor::Middle);
-                free_from = x + half + 4.0;
-            }
-        }
-        for (value, text) in self.y.ticks() {
-            let y = self.top + (1.0 - self.y.share(value)) * self.height;
-            drawing.line(&[[self.left, y], [right, y]], thin.clone());
-            drawing.line(&[[self.left - 4.0, y], [self.left, y]], Stroke::solid(INK, 1.0));
-            drawing.text(&text, [self.left - 7.0, y + 4.0], SMALL, Anchor::End);
-        }
-        let frame = Some(Stroke::solid(INK, 1.0));
-        drawing.rectangle([self.left, self.top], [self.width, self.height], frame, None);
-    }
-
     fn draw_series(&self, drawing: &mut Drawing, series: &Series, colour: Colour) {
         let points: Vec<[f64; 2]> = series.points.iter().map(|p| self.to(*p)).collect();
         stroke_line(drawing, &points, series.style, colour);
@@ -390,193 +274,9 @@ fn stroke_sample(drawing: &mut Drawing, line: &[[f64; 2]; 2], style: Style, colo
     marker(drawing, [0.5 * (line[0][0] + line[1][0]), line[0][1]], style, colour);
 }
 
-/// Round values from `low` to `high`, about `count`, with their texts.
-pub fn ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
-    let raw = (high - low) / count.max(1) as f64;
-    if !raw.is_finite() || raw <= 0.0 {
-        return Vec::new();
-    }
-    let power = 10_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= 0.999 * raw).unwrap_or(raw);
-    let decimals = (0..12).find(|d| {
-        let scaled = step * 10_f64.powi(*d);
-        (scaled - scaled.round()).abs() < 1e-6 * scaled
-    });
-    let decimals = decimals.unwrap_or(12) as usize;
-    let first = (low / step - 1e-9).ceil() as i64;
-    let last = (high / step + 1e-9).floor() as i64;
-    (first..=last)
-        .map(|i| {
-            let value = i as f64 * step;
-            (value, format!("{value:.decimals$}").replace('-', "−"))
-        })
-        .collect()
-}
-
-/// Powers of ten between two logarithms, and their doubles and fivefolds if there are few.
-fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let multiples: &[f64] = if high - low < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let stride = (((high - low) / 8.0).ceil() as i32).max(1);
-    let mut found = Vec::new();
-    for power in (low.floor() as i32)..=(high.ceil() as i32) {
-        if power % stride != 0 {
-            continue;
-        }
-        for multiple in multiples {
-            let value = multiple * 10_f64.powi(power);
-            if (low - 1e-9..=high + 1e-9).contains(&value.log10()) {
-                found.push((value, power_text(*multiple, power)));
-            }
-        }
-    }
-    found
-}
-
-fn power_text(multiple: f64, power: i32) -> String {
-    if (-3..=4).contains(&power) {
-        let decimals = (-power).max(0) as usize;
-        return format!("{:.decimals$}", multiple * 10_f64.powi(power));
-    }
-    let raised: String = power
-        .to_string()
-        .chars()
-        .filter_map(|c| match c {
-            '-' => Some('⁻'),
-            _ => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize),
-        })
-        .collect();
-    if multiple == 1.0 { format!("10{raised}") } else { format!("{multiple}·10{raised}") }
-}
-
-/// One bar of a tornado: a quantity's value with an input lowered and raised.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TornadoBar {
-    /// The input and how far it is changed, e.g. "base 4 ± 0.4 mm".
-    pub name: String,
-    /// Value with the input lowered; `None` if there is none, e.g. because the run failed.
-    pub lowered: Option<f64>,
-    /// Value with the input raised.
-    pub raised: Option<f64>,
-}
-
-/// How much a quantity depends on several inputs: bars about its present value, the longest on top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tornado {
-    /// Title.
-    pub title: String,
-    /// Quantity and unit.
-    pub label: String,
-    /// Value with all inputs as they are.
-    pub centre: f64,
-    /// Inputs in any order.
-    pub bars: Vec<TornadoBar>,
-    /// Sentences below.
-    pub caption: String,
-    /// Width of the sheet, px.
-    pub width: f64,
-}
-
-impl Tornado {
-    /// Draws the chart.
-    ///
-    /// # Errors
-    /// A number that is not finite; a sheet too narrow for its texts.
-    pub fn draw(&self) -> Result<Drawing, PlotError> {
-        const ROW: f64 = 26.0;
-        let ends = |bar: &TornadoBar| [bar.lowered, bar.raised];
-        let values: Vec<f64> = self.bars.iter().flat_map(ends).flatten().chain(std::iter::once(self.centre)).collect();
-        let mut axis = Axis::around(&values, Scale::Linear, &self.label)?;
-        let spread =
-            |bar: &TornadoBar| ends(bar).into_iter().flatten().map(|v| (v - self.centre).abs()).fold(0.0, f64::max);
-        let mut bars: Vec<&TornadoBar> = self.bars.iter().collect();
-        bars.sort_by(|a, b| spread(b).total_cmp(&spread(a)));
-
-        let names = bars.iter().map(|b| text_width(&b.name, TEXT)).fold(0.0, f64::max);
-        let left = MARGIN + names + 12.0;
-        let width = self.width - left - MARGIN - 8.0;
-        if !width.is_finite() || width < 60.0 {
-            return Err(PlotError::NotDrawable { what: format!("a chart {} px wide", self.width) });
-        }
-        // Room for the numbers at the ends of the bars.
-        let room = 44.0 / width * (axis.high - axis.low);
-        (axis.low, axis.high) = (axis.low - room, axis.high + room);
-        let none = Axis { low: 0.0, high: 1.0, scale: Scale::Linear };
-        let top = MARGIN + if self.title.is_empty() { 0.0 } else { TITLE + 12.0 } + TEXT + 12.0;
-        let height = ROW * bars.len() as f64 + 8.0;
-        let caption = wrapped(&self.caption, SMALL, self.width - 2.0 * MARGIN);
-        let below = SMALL + TEXT + 24.0;
-        let foot = caption.len() as f64 * (SMALL + 5.0) + 8.0;
-        let mut drawing = Drawing::new(self.width, top + height + below + foot + MARGIN, &self.title);
-        drawing.text(&self.title, [MARGIN, MARGIN + TITLE - 3.0], TITLE, Anchor::Start);
-        let area = Area { left, top, width, height, x: &axis, y: &none };
-        let bottom = top + height;
-        for (value, text) in axis.ticks() {
-            let x = area.to([value, 0.0])[0];
-            drawing.line(&[[x, top], [x, bottom]], Stroke::solid(GRID, 1.0));
-            drawing.text(&text, [x, bottom + SMALL + 6.0], SMALL, Anchor::Middle);
-        }
-        let middle = area.to([self.centre, 0.0])[0];
-        let (low_colour, high_colour) = (PALETTE[0], PALETTE[1]);
-        for (i, bar) in bars.iter().enumerate() {
-            let y = top + 4.0 + i as f64 * ROW;
-            drawing.text(&bar.name, [left - 8.0, y + 0.5 * ROW + 4.0], TEXT, Anchor::End);
-            let mut halves = [(bar.lowered, low_colour), (bar.raised, high_colour)];
-            // Both may lie on one side: the shorter one is drawn over the longer one.
-            let length = |half: &(Option<f64>, Colour)| half.0.map_or(0.0, |v| (v - self.centre).abs());
-            halves.sort_by(|a, b| length(b).total_cmp(&length(a)));
-            for (value, colour) in halves {
-                let Some(value) = value else { continue };
-                let x = area.to([value, 0.0])[0];
-                drawing.rectangle([x.min(middle), y + 4.0], [(x - middle).abs(), ROW - 8.0], None, Some(colour));
-            }
-            // Beside the outer end on either side; both on one side stand behind each other.
-            for side in [-1.0, 1.0] {
-                let there: Vec<f64> =
-                    ends(bar).into_iter().flatten().filter(|v| side * (v - self.centre) >= 0.0).collect();
-                let Some(&outer) = there.iter().max_by(|a, b| (side * **a).total_cmp(&(side * **b))) else { continue };
-                let texts: Vec<String> = there.iter().map(|v| format!("{v:.1}")).collect();
-                let text = texts.join(" / ");
-                let anchor = if side < 0.0 { Anchor::End } else { Anchor::Start };
-                let x = area.to([outer, 0.0])[0] + 5.0 * side;
-                drawing.text(&text, [x, y + 0.5 * ROW + 4.0], SMALL, anchor);
-            }
-            if bar.lowered.is_none() && bar.raised.is_none() {
-                drawing.text("not solved", [middle + 5.0, y + 0.5 * ROW + 4.0], SMALL, Anchor::Start);
-            }
-        }
-        drawing.line(&[[middle, top], [middle, bottom]], Stroke::solid(INK, 1.4));
-        drawing.rectangle([left, top], [width, height], Some(Stroke::solid(INK, 1.0)), None);
-        drawing.text(&self.label, [left + 0.5 * width, bottom + SMALL + TEXT + 16.0], TEXT, Anchor::Middle);
-        let mut x = left;
-        for (text, colour) in [("lowered", low_colour), ("raised", high_colour)] {
-            drawing.rectangle([x, top - TEXT - 8.0], [TEXT, TEXT], None, Some(colour));
-            drawing.text(text, [x + TEXT + 6.0, top - 10.0], TEXT, Anchor::Start);
-            x += text_width(text, TEXT) + 48.0;
-        }
-        let text = format!("as it is: {:.1}", self.centre);
-        drawing.text(&text, [x, top - 10.0], TEXT, Anchor::Start);
-        for (i, line) in caption.iter().enumerate() {
-            let y = bottom + below + (i + 1) as f64 * (SMALL + 5.0);
-            drawing.text(line, [MARGIN, y], SMALL, Anchor::Start);
-        }
-        Ok(drawing)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        let texts = |low, high| -> Vec<String> { ticks(low, high, 6).into_iter().map(|t| t.1).collect() };
-        assert_eq!(texts(0.0, 0.12), ["0.00", "0.02", "0.04", "0.06", "0.08", "0.10", "0.12"]);
-        assert_eq!(texts(-3.0, 47.0), ["0", "10", "20", "30", "40"]);
-        assert_eq!(texts(-0.26, 0.1), ["−0.2", "−0.1", "0.0", "0.1"]);
-        assert!(ticks(1.0, 1.0, 6).is_empty() && ticks(f64::NAN, 1.0, 6).is_empty());
-        let logs: Vec<String> = logarithmic_ticks(-9.2, 2.1).into_iter().map(|t| t.1).collect();
-        assert_eq!(logs, ["10⁻⁸", "10⁻⁶", "10⁻⁴", "0.01", "1", "100"]);
-    }
 
     #[test]
     fn equal_axes_have_equal_units() {
@@ -612,25 +312,5 @@ mod tests {
         assert!(chart([0.0, f64::NAN], Scale::Linear).draw().is_err());
         assert!(chart([1.0, 0.0], Scale::Logarithmic).draw().is_err());
         assert!(chart([1.0, 2.0], Scale::Logarithmic).draw().is_ok());
-    }
-
-    #[test]
-    fn the_longest_bar_of_a_tornado_is_on_top() {
-        let bar = |name: &str, a, b| TornadoBar { name: name.into(), lowered: a, raised: b };
-        let tornado = Tornado {
-            title: "t".into(),
-            label: "angle (°)".into(),
-            centre: 82.0,
-            bars: vec![
-                bar("short", Some(80.0), Some(83.0)),
-                bar("long", Some(60.0), Some(99.0)),
-                bar("none", None, None),
-            ],
-            caption: String::new(),
-            width: 600.0,
-        };
-        let svg = tornado.draw().unwrap().to_svg().unwrap();
-        assert!(svg.find(">long<") < svg.find(">short<"));
-        assert!(svg.contains(">99.0<") && svg.contains("not solved"));
     }
 }

@@ -1,5 +1,6 @@
 //! The numbers of a state as a flat row: the columns of `pneuflex table`, of sweeps and of what `pneuflex find` looks for.
 
+use pneuflex_post::load_step::LoadStepSummary;
 use pneuflex_post::measures;
 use pneuflex_post::summary::StepSummary;
 
@@ -35,7 +36,7 @@ impl Tip {
     }
 
     /// Displacement of the tip, mm: of an actuator the end of its bottom centreline, of another body the probe `tip`.
-    fn displacement(&self, state: &StepSummary) -> Option<[f64; 3]> {
+    fn displacement(&self, state: &LoadStepSummary) -> Option<[f64; 3]> {
         let probe = state.probes.get("tip").copied();
         let (Some(length), Some([x, z])) = (self.length, state.centreline.last()) else { return probe };
         let is_there = |at: [f64; 3]| {
@@ -52,6 +53,15 @@ impl Tip {
 
 /// The numbers of a state by the names of their columns, units in the names.
 pub fn columns(state: &StepSummary, tip: &Tip) -> Pairs {
+    row(&state.plain(), Some(state), tip)
+}
+
+/// Those of a load step between requested positions: all but the ones that take stresses or a sampling of the walls.
+pub fn columns_of_load_step(step: &LoadStepSummary, tip: &Tip) -> Pairs {
+    row(step, None, tip)
+}
+
+fn row(state: &LoadStepSummary, whole: Option<&StepSummary>, tip: &Tip) -> Pairs {
     let mut found = Pairs::default();
     for (name, value) in [
         ("time", state.time),
@@ -59,18 +69,20 @@ pub fn columns(state: &StepSummary, tip: &Tip) -> Pairs {
         ("end_face_angle_deg", state.end_face_angle_deg),
         ("chord_angle_deg", state.chord_angle_deg()),
         ("cavity_volume_mm3", Some(state.cavity_volume_mm3)),
-        ("max_von_mises_mpa", Some(state.max_von_mises_mpa)),
-        ("von_mises_p99_mpa", Some(state.von_mises_p99_mpa)),
-        ("strain_energy_mj", Some(state.strain_energy_mj)),
+        ("max_von_mises_mpa", whole.map(|state| state.max_von_mises_mpa)),
+        ("von_mises_p99_mpa", whole.map(|state| state.von_mises_p99_mpa)),
+        ("strain_energy_mj", whole.map(|state| state.strain_energy_mj)),
         ("contact.area_mm2", Some(state.contact.area_mm2)),
-        ("contact.max_penetration_mm", Some(state.contact.max_penetration_mm)),
+        ("contact.max_penetration_mm", whole.map(|state| state.contact.max_penetration_mm)),
     ] {
         if let Some(value) = value {
             found.push(name, value);
         }
     }
-    found.0.push(("contact.gaps_in_contact".to_owned(), state.contact.gaps_in_contact.into()));
-    if let Some(gap) = state.contact.min_gap_mm {
+    if let Some(state) = whole {
+        found.0.push(("contact.gaps_in_contact".to_owned(), state.contact.gaps_in_contact.into()));
+    }
+    if let Some(gap) = whole.and_then(|state| state.contact.min_gap_mm) {
         found.push("contact.min_gap_mm", gap);
     }
     for (name, cavity) in &state.cavities {
@@ -97,7 +109,9 @@ pub fn columns(state: &StepSummary, tip: &Tip) -> Pairs {
     for (name, obstacle) in &state.obstacles {
         vector(&format!("obstacle.{name}"), obstacle.force_n, "n");
     }
-    found.0.push(("iterations".to_owned(), state.iterations.into()));
-    found.0.push(("load_steps".to_owned(), state.load_steps.into()));
+    if let Some(state) = whole {
+        found.0.push(("iterations".to_owned(), state.iterations.into()));
+        found.0.push(("load_steps".to_owned(), state.load_steps.into()));
+    }
     found
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use pneuflex_model::Problem;
-use pneuflex_newton::{Bifurcation, ConvergedState, Snap};
+use pneuflex_newton::{Bifurcation, Checkpoint, ConvergedState, Snap};
 use pneuflex_post::fields;
+use pneuflex_post::load_step::LoadStepSummary;
 use pneuflex_post::summary::{self, BifurcationSummary, Described, ProbeSite, SnapSummary, State};
 
 use crate::error::ResultsError;
@@ -44,6 +45,17 @@ pub fn describe(
     }
     described.summary.mesh_instability = equilibrium.mesh_motions.as_ref().map(mesh_motions);
     Ok(described)
+}
+
+/// What a load step between requested positions is described by; `None` if that cannot be derived. It is no result that was asked for: a
+/// run does not end for want of it.
+pub fn describe_load_step(
+    problem: &Problem,
+    sites: &BTreeMap<String, ProbeSite>,
+    step: &Checkpoint,
+) -> Option<LoadStepSummary> {
+    let equilibrium = step.equilibrium(problem).ok()?;
+    LoadStepSummary::of(problem, sites, &as_described(&equilibrium)).ok()
 }
 
 /// The texts of the field files: the body, and the contact walls if there are any.

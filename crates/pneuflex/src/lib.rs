@@ -113,7 +113,7 @@
 //! | [`overview`], [`memory`] | what would be solved, and what that needs |
 //! | [`cad`], [`start_model`] | parts as meshes; model files to start from |
 //! | [`columns`], [`find`] | the numbers of a state as a row; where on the path, or at which value of a key, one of them takes a value |
-//! | [`compare`] | results beside measurements |
+//! | [`compare`], [`number_table`] | results beside measurements; tables of numbers that people write |
 //! | [`export`] | results in the formats of other programs |
 //! | [`gradient`] | exact derivatives of results by the numbers of a file, and what tests them |
 //! | [`folder`], [`recorder`], [`recorded_states`], [`checkpoint_file`], [`report_page`], [`picture`] | result folders |
@@ -156,6 +156,7 @@ pub mod json;
 mod late_recording;
 pub mod memory;
 pub mod neighbour;
+pub mod number_table;
 pub mod observer;
 mod on_the_way;
 pub mod overview;

@@ -5,7 +5,8 @@ use pneuflex_model::LoadParameter;
 use pneuflex_newton::Checkpoint;
 use serde::{Deserialize, Serialize};
 
-/// The way from one requested position to the next is divided into so many parts; a state is kept of each.
+/// The way from one requested position to the next is divided into so many parts; a state is kept of each, if one in it is solved to the
+/// tolerances: where it is only good enough to go on from, forces may be anything.
 const PARTS: f64 = 5.0;
 
 /// States on the way to the next requested position, as accepted load steps. Which ones does not depend on where a run was interrupted.
@@ -19,7 +20,7 @@ pub struct OnTheWay {
 impl OnTheWay {
     /// Looks at an accepted load step between two requested positions.
     pub fn accept(&mut self, step: &Checkpoint, [from, to]: [LoadParameter; 2]) {
-        if step.parameter <= from || step.parameter >= to {
+        if step.is_inexact || step.parameter <= from || step.parameter >= to {
             return;
         }
         let part = (PARTS * (step.parameter - from) / (to - from)).floor() as u8;
@@ -59,7 +60,7 @@ mod tests {
             multipliers: Vec::new(),
             bordered: Vec::new(),
             contact_points: 0,
-            is_inexact: true,
+            is_inexact: false,
             step: 1,
             iterations: 1,
             timing: Timing::default(),
@@ -81,6 +82,7 @@ mod tests {
     fn a_few_states_are_kept_between_requested_ones() {
         let mut kept = OnTheWay::default();
         let way = [10.0, 20.0].map(LoadParameter);
+        kept.accept(&Checkpoint { is_inexact: true, ..step(10.5) }, way);
         for at in [10.0, 11.0, 11.5, 14.5, 15.9, 16.1, 19.0, 19.5, 20.0] {
             kept.accept(&step(at), way);
         }

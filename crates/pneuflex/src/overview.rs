@@ -12,7 +12,10 @@ use pneuflex_post::summary::{ProbeSite, probe_sites};
 
 use crate::analysis::{Analysis, Description};
 use crate::caution::{POOR_SHAPE, centre, worst_element};
-use crate::words::{measured, place, plain, plain_list, plural, size, thousands};
+use crate::words::{measured, place, plain, plain_list, plural, rounded, size, thousands};
+
+/// Digits of densities, which become others by a change of units and back.
+const DENSITY_DIGITS: i32 = 10;
 
 /// What would be solved, as data and as a text.
 #[derive(Clone, Debug, PartialEq)]
@@ -392,7 +395,11 @@ fn where_it_gives_way(material: &Material) -> Option<String> {
 }
 
 fn material(name: &str, elements: usize, volume: f64, material: &Material) -> String {
-    let density = if material.density > 0.0 { format!(", {} g/cm3", material.density) } else { String::new() };
+    let density = if material.density > 0.0 {
+        format!(", {} g/cm3", rounded(material.density, DENSITY_DIGITS))
+    } else {
+        String::new()
+    };
     format!(
         "{name}{} of {}: {}, bulk modulus {} MPa{density}, {volume:.6} mm3",
         plural(elements, "element"),

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pneuflex_model::StateKind;
+use pneuflex_post::load_step::LoadStepSummary;
 use pneuflex_post::summary::StepSummary;
 use serde::Deserialize;
 use serde_json::Value;
@@ -39,6 +40,8 @@ pub struct RecordedStates {
     pub is_by_time: bool,
     /// In the order of the path.
     pub states: Vec<RecordedState>,
+    /// The load steps between them, in the order of the path.
+    pub load_steps: Vec<LoadStepSummary>,
 }
 
 #[derive(Deserialize)]
@@ -46,6 +49,8 @@ struct Steps {
     steps: Vec<Value>,
     #[serde(default)]
     on_the_way: Vec<Value>,
+    #[serde(default)]
+    load_steps: Vec<LoadStepSummary>,
 }
 
 impl RecordedStates {
@@ -69,7 +74,7 @@ impl RecordedStates {
         let (reached, missed): (Vec<_>, Vec<_>) = asked_for.partition(|(_, step, _)| step.converged);
         let states = reached.into_iter().chain(on_the_way).chain(missed).map(state).collect::<Result<_, Error>>()?;
         let is_by_time = summary.steps.iter().any(|step| step.time.is_some());
-        Ok(Self { folder: folder.to_owned(), is_by_time, states })
+        Ok(Self { folder: folder.to_owned(), is_by_time, states, load_steps: steps.load_steps })
     }
 
     /// Whether the load parameter turned back, so that states may share it.

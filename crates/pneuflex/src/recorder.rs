@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use pneuflex_model::{Clock, Control, LoadParameter, Pressure, SymmetryPlane};
 use pneuflex_newton::{Checkpoint, ConvergedState, IterationRecord, Timing};
+use pneuflex_post::load_step::LoadStepSummary;
 use pneuflex_post::summary::{Described, ProbeSite, StepSummary, probe_sites};
 use pneuflex_post::vtu::{SeriesEntry, series};
 use pneuflex_report::summary::FORMAT;
@@ -66,6 +67,9 @@ struct Summary<'a> {
     /// Of a run that ended early: states between the last requested pressure that was reached and the next, the last converged one at the end.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     on_the_way: &'a [StepSummary],
+    /// The load steps between those of `steps` that were solved to the tolerances.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    load_steps: &'a [LoadStepSummary],
     iterations_total: usize,
     timing: RunTiming,
 }
@@ -144,6 +148,7 @@ pub struct Recorder<'a> {
     /// Iterations reported since the last requested time that was reached.
     open_iterations: usize,
     on_the_way: OnTheWay,
+    load_steps: Vec<LoadStepSummary>,
 }
 
 impl<'a> Recorder<'a> {
@@ -180,6 +185,7 @@ impl<'a> Recorder<'a> {
             began: Instant::now(),
             open_iterations: 0,
             on_the_way: recorded.on_the_way,
+            load_steps: recorded.load_steps,
         };
         recorder.remove_states_on_the_way()?;
         for step in recorded.steps {
@@ -248,9 +254,16 @@ impl<'a> Recorder<'a> {
         // Beyond a limit point every state is among the results.
         if let Some(&to) = self.left().first().filter(|_| !path.arc.is_past_limit()) {
             self.on_the_way.accept(path, [from, to]);
+            // Where a step is solved well enough to go on from only, forces may be anything.
+            if !path.is_inexact && from < path.parameter && path.parameter < to {
+                // A path that has gone back to be more careful comes by once more.
+                self.load_steps.retain(|step| step.when() < path.parameter);
+                self.load_steps.extend(derived::describe_load_step(&self.analysis.problem, &self.probes, path));
+            }
         }
         let (history_bytes, output_s) = (self.history_bytes, self.timing.output_s);
-        let recorded = Recorded { steps, history_bytes, output_s, on_the_way: self.on_the_way.clone() };
+        let (load_steps, on_the_way) = (self.load_steps.clone(), self.on_the_way.clone());
+        let recorded = Recorded { steps, history_bytes, output_s, load_steps, on_the_way };
         // The checkpoint counts on the history's lines.
         self.history.sync_data().map_err(|e| self.folder.cannot_write(HISTORY, e))?;
         checkpoint_file::store(&self.folder, &recorded, path)?;
@@ -369,6 +382,7 @@ impl<'a> Recorder<'a> {
             probes: &self.probes,
             steps,
             on_the_way: ending.map_or(&[], |ending| &ending.on_the_way[..]),
+            load_steps: &self.load_steps,
             iterations_total: self.iterations,
             timing: self.timing,
         };

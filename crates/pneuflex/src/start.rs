@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use pneuflex_model::{Clock, Continuation, LoadParameter};
 use pneuflex_newton::Checkpoint;
+use pneuflex_post::load_step::LoadStepSummary;
 use pneuflex_post::summary::StepSummary;
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -22,6 +23,9 @@ pub struct Recorded {
     pub history_bytes: u64,
     /// Seconds spent on derived quantities and files.
     pub output_s: f64,
+    /// The load steps between requested positions that were solved to the tolerances.
+    #[serde(default)]
+    pub load_steps: Vec<LoadStepSummary>,
     /// States on the way to the next requested position.
     pub(crate) on_the_way: OnTheWay,
 }

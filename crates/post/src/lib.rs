@@ -11,6 +11,7 @@
 //! * [`contact`]: what the contact's own points carry.
 //! * [`convergence`]: Richardson extrapolation over a sequence of meshes.
 //! * [`fields`], [`vtu`]: VTK XML files.
+//! * [`load_step`]: what needs no stresses, for a load step on the way.
 //! * [`summary`]: all of it for one reached pressure, as `summary.json` has it.
 //! * [`surface`], [`search`]: faces, and the closest point on a deformed surface, as the measures use them.
 //!
@@ -21,6 +22,7 @@ pub mod contact;
 pub mod convergence;
 mod error;
 pub mod fields;
+pub mod load_step;
 pub mod measures;
 pub mod peak;
 pub mod penetration;

@@ -5,35 +5,14 @@ use std::collections::BTreeMap;
 
 use pneuflex_laws::law_of;
 use pneuflex_material::drucker;
-use pneuflex_mesh::Mesh;
-use pneuflex_model::{Cavity, Clock, LoadParameter, Obstacle, Pressure, Probe, Problem, StateKind};
+use pneuflex_model::{LoadParameter, Problem, StateKind};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{PostError, check};
+use crate::error::PostError;
+pub use crate::load_step::{CavitySummary, ObstacleSummary, ProbeSite, State, probe_sites};
+use crate::load_step::{LoadStepSummary, Touching};
 use crate::surface_stress::SurfaceState;
 use crate::{contact, fields, measures, penetration, stress, vtu};
-use pneuflex_mesh::vector::{cross, sub};
-
-/// An equilibrium to be described.
-#[derive(Clone, Copy, Debug)]
-pub struct State<'a> {
-    /// Position on the load path: the air pressure in kPa for actuators.
-    pub parameter: LoadParameter,
-    /// Pressure in every cavity.
-    pub cavity_pressures: &'a [Pressure],
-    /// Displacements, mm, one entry per node.
-    pub displacement: &'a [[f64; 3]],
-    /// Support reactions, N, one entry per node.
-    pub reaction: &'a [[f64; 3]],
-    /// Newton iterations spent since the previous one.
-    pub iterations: usize,
-    /// Load steps accepted since the previous one.
-    pub load_steps: usize,
-    /// Multipliers of the contact's points, MPa; none for a plain penalty.
-    pub contact_multipliers: &'a [f64],
-    /// Why the contact points are further from their partners than asked for, if they are.
-    pub contact_failure: Option<&'a str>,
-}
 
 /// One reached pressure. The names of the fields are the keys of `summary.json`, a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -149,83 +128,32 @@ impl StepSummary {
         LoadParameter(self.time.unwrap_or(self.pressure_kpa))
     }
 
+    /// What a load step between requested positions is described by, too.
+    pub fn plain(&self) -> LoadStepSummary {
+        LoadStepSummary {
+            time: self.time,
+            pressure_kpa: self.pressure_kpa,
+            probes: self.probes.clone(),
+            end_face_angle_deg: self.end_face_angle_deg,
+            centreline: self.centreline.clone(),
+            contact: Touching { points_active: self.contact.points_active, area_mm2: self.contact.area_mm2 },
+            cavity_volume_mm3: self.cavity_volume_mm3,
+            cavities: self.cavities.clone(),
+            reaction_n: self.reaction_n,
+            symmetry_reactions: self.symmetry_reactions.clone(),
+            reactions: self.reactions.clone(),
+            obstacles: self.obstacles.clone(),
+        }
+    }
+
     /// Angle of the chord from the clamp to the tip, degrees, positive downwards; `None` for a body without a centreline.
     pub fn chord_angle_deg(&self) -> Option<f64> {
         measures::angle_of_chord_deg(&self.centreline)
     }
 }
 
-/// A cavity at one reached time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CavitySummary {
-    /// Pressure above the atmosphere's, kPa.
-    pub pressure_kpa: f64,
-    /// Volume, mm³; left out for an open one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub volume_mm3: Option<f64>,
-}
-
-/// What the body does to an obstacle at one reached pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ObstacleSummary {
-    /// Force on the obstacle, N.
-    pub force_n: [f64; 3],
-    /// Moment of that force about `about_mm`, N·mm.
-    pub moment_nmm: [f64; 3],
-    /// The obstacle's centre, or the given point of a plane or an axis, where it is now, mm.
-    pub about_mm: [f64; 3],
-    /// Contact points that carry traction.
-    pub points_active: usize,
-    /// Reference area of these points, mm².
-    pub area_mm2: f64,
-    /// Largest depth of a contact point, mm.
-    pub max_penetration_mm: f64,
-    /// How many there are of it: an obstacle beside a plane of symmetry has a mirror image, and the numbers are those of one of them. Left
-    /// out for a single one.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
-    pub images: usize,
-}
-
-fn one() -> usize {
-    1
-}
-
 fn is_zero(count: &usize) -> bool {
     *count == 0
-}
-
-fn is_one(images: &usize) -> bool {
-    *images == 1
-}
-
-impl ObstacleSummary {
-    /// What the whole body does to an obstacle, from what the modelled part does.
-    fn of(problem: &Problem, obstacle: &Obstacle, found: &contact::ObstacleForce) -> Self {
-        let mut whole = Self {
-            force_n: found.force,
-            moment_nmm: found.moment,
-            about_mm: found.about,
-            points_active: found.points_active,
-            area_mm2: found.area_mm2,
-            max_penetration_mm: found.max_penetration_mm,
-            images: 1,
-        };
-        for plane in &problem.symmetry {
-            if !plane.is_symmetry_of(obstacle) {
-                whole.images *= 2;
-                continue;
-            }
-            let mirrored = plane.mirror_vector(whole.force_n);
-            // The mirror image's moment is one about the mirror image of the point.
-            let moved = cross(sub(plane.mirror_point(whole.about_mm), whole.about_mm), mirrored);
-            let turned = plane.mirror_moment(whole.moment_nmm);
-            whole.moment_nmm = std::array::from_fn(|d| whole.moment_nmm[d] + turned[d] + moved[d]);
-            whole.force_n = std::array::from_fn(|d| whole.force_n[d] + mirrored[d]);
-            whole.points_active *= 2;
-            whole.area_mm2 *= 2.0;
-        }
-        whole
-    }
 }
 
 /// Contact at one reached pressure.
@@ -248,17 +176,6 @@ pub struct ContactSummary {
     pub min_gap_mm: Option<f64>,
 }
 
-/// Where a probe sits.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ProbeSite {
-    /// Node taken.
-    pub node: usize,
-    /// Its reference position, mm.
-    pub at: [f64; 3],
-    /// Its distance from the requested position, mm.
-    pub distance_mm: f64,
-}
-
 /// A state with everything derived from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Described {
@@ -268,17 +185,6 @@ pub struct Described {
     pub stress: stress::StressField,
     /// Contact.
     pub contact: contact::ContactState,
-}
-
-/// The node every probe reads: the nearest one.
-pub fn probe_sites(mesh: &Mesh, probes: &[Probe]) -> BTreeMap<String, ProbeSite> {
-    probes
-        .iter()
-        .filter_map(|probe| {
-            let (node, distance_mm) = mesh.nearest_node(probe.at)?;
-            Some((probe.name.clone(), ProbeSite { node, at: mesh.nodes[node], distance_mm }))
-        })
-        .collect()
 }
 
 /// Derives everything reported about a state.
@@ -295,42 +201,36 @@ pub fn describe(
     let contact = contact::evaluate_at(problem, u, state.parameter, state.contact_multipliers)?;
     let penetration = penetration::measure(problem, u)?;
     let largest = stress.largest_von_mises();
-    let is_model = problem.clock == Clock::Steps;
-    let first = state.cavity_pressures.first().map_or(0.0, |pressure| pressure.kpa());
-    let has_end_face = !measures::end_face(problem).is_empty();
     let parts = problem.parts_of_whole();
     let whole = |of_part: f64| parts as f64 * of_part;
-    let reactions = measures::reactions(problem, state.reaction)?;
+    let plain = LoadStepSummary::beside(problem, sites, state, &contact)?;
     let summary = StepSummary {
-        time: is_model.then_some(state.parameter.0),
-        pressure_kpa: if is_model { first } else { state.parameter.0 },
+        time: plain.time,
+        pressure_kpa: plain.pressure_kpa,
         converged: true,
         iterations: state.iterations,
         load_steps: state.load_steps,
-        probes: sites.iter().map(|(name, site)| (name.clone(), u[site.node])).collect(),
-        end_face_angle_deg: has_end_face.then(|| measures::end_face_angle_deg(problem, u)).transpose()?,
-        centreline: measures::centreline(problem, u)?,
+        probes: plain.probes,
+        end_face_angle_deg: plain.end_face_angle_deg,
+        centreline: plain.centreline,
         max_von_mises_mpa: largest.map_or(0.0, |p| p.von_mises),
         max_von_mises_at: largest.map_or([0.0; 3], |p| p.position),
         von_mises_p99_mpa: stress.von_mises_quantile(0.99),
         contact: ContactSummary {
-            points_active: parts * contact.points_active,
-            area_mm2: whole(contact.area_mm2),
+            points_active: plain.contact.points_active,
+            area_mm2: plain.contact.area_mm2,
             penalty_energy_mj: whole(contact.penalty_energy_mj),
             max_penetration_mm: penetration.max_penetration_mm(),
             penetrating_area_mm2: whole(penetration.penetrating_area_mm2()),
             gaps_in_contact: penetration.gaps_in_contact(),
             min_gap_mm: penetration.min_gap_mm(),
         },
-        cavity_volume_mm3: measures::cavity_volume(problem, u)?,
-        cavities: if is_model || !problem.has_one_air() { cavities(problem, state)? } else { BTreeMap::new() },
-        reaction_n: reactions.total,
-        symmetry_reactions: reactions.planes,
-        reactions: if is_model { reactions.supports } else { BTreeMap::new() },
-        obstacles: (problem.obstacles.iter().zip(&contact.obstacles))
-            .filter(|(obstacle, _)| obstacle.report_force)
-            .map(|(obstacle, found)| (found.name.clone(), ObstacleSummary::of(problem, obstacle, found)))
-            .collect(),
+        cavity_volume_mm3: plain.cavity_volume_mm3,
+        cavities: plain.cavities,
+        reaction_n: plain.reaction_n,
+        symmetry_reactions: plain.symmetry_reactions,
+        reactions: plain.reactions,
+        obstacles: plain.obstacles,
         strain_energy_mj: whole(stress.strain_energy),
         max_invariant_minus_3: stress.largest_invariant_minus_3(),
         warning: material_warning(problem, &stress),
@@ -342,16 +242,7 @@ pub fn describe(
         bifurcations: Vec::new(),
         snaps: Vec::new(),
     };
-    check("cavity volume", &[summary.cavity_volume_mm3], 1)?;
     Ok(Described { summary, stress, contact })
-}
-
-fn cavities(problem: &Problem, state: &State<'_>) -> Result<BTreeMap<String, CavitySummary>, PostError> {
-    let of = |(cavity, pressure): (&Cavity, &Pressure)| {
-        let volume_mm3 = measures::volume(problem, cavity, state.displacement)?;
-        Ok((cavity.name.clone(), CavitySummary { pressure_kpa: pressure.kpa(), volume_mm3 }))
-    };
-    problem.cavities.iter().zip(state.cavity_pressures).map(of).collect()
 }
 
 fn material_warning(problem: &Problem, stress: &stress::StressField) -> Option<String> {
@@ -436,7 +327,7 @@ impl Described {
 mod tests {
     use super::*;
     use crate::testing::{displacement_of, two_chambers};
-    use pneuflex_model::{FittedTo, Material, Mode, Shape};
+    use pneuflex_model::{FittedTo, Material, Mode, Obstacle, Pressure, Probe, Shape};
 
     #[test]
     fn a_state_at_rest_is_described() {

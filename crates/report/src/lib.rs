@@ -6,9 +6,9 @@
 //! * [`summary`]: what is read of `summary.json`.
 //! * [`state`]: the fields of one pressure or time, from their `.vtu` files; [`stretch`]: those that are in none of them.
 //! * [`subdivision`], [`body`], [`skin`]: elements as tetrahedra, the nodes these need, the surface and its edges.
-//! * [`regions`]: parts of the body with materials of their own.
+//! * [`regions`]: parts of the body with materials of their own; `parted`: what jumps between them.
 //! * [`obstacles`]: rigid bodies in the way, as far as they are drawn.
-//! * [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
+//! * [`curves`], [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
 //!   [`sensitivity`]: what changes one of them most; [`comparison`]: how they differ from measurements.
 //! * [`quantise`]: lists of numbers as text with a known error.
 //! * [`setup`]: the page of what would be solved, before it is.
@@ -21,11 +21,13 @@ pub mod assets;
 pub mod body;
 pub mod comparison;
 mod controls;
+pub mod curves;
 mod error;
 pub mod inputs;
 mod numbers;
 pub mod obstacles;
 pub mod page;
+mod parted;
 mod payload;
 pub mod quantise;
 mod quantities;

@@ -1,11 +1,13 @@
 //! The data that the page's modules work on, as JSON.
 
-use pneuflex_mesh::{Facet, Mesh};
+use pneuflex_mesh::Facet;
+use pneuflex_post::stress::von_mises;
 use serde::Serialize;
 
 use crate::body::{Block, Body};
 use crate::error::ReportError;
 use crate::obstacles::{self, Drawn};
+use crate::parted::Parted;
 use crate::quantise::{Quantised, floats, integers, small_integers};
 use crate::regions::Regions;
 use crate::report::Report;
@@ -63,8 +65,9 @@ struct BodyData<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     obstacles: Vec<Drawn<'a>>,
     probes: Vec<ProbeData<'a>>,
-    /// Nodes of the mesh; those beyond were added.
+    /// Nodes of the mesh. Behind them come copies of nodes for further regions, which belong to the nodes `copied`; those beyond were added.
     mesh_nodes: usize,
+    copied: String,
     states: Vec<StateData>,
 }
 
@@ -120,7 +123,8 @@ pub fn for_script(json: &str) -> String {
 }
 
 /// What of a report's body is the same in all states.
-struct Drawing {
+struct Drawing<'a> {
+    parted: Parted<'a>,
     body: Body,
     regions: Regions,
     skin: Skin,
@@ -129,17 +133,19 @@ struct Drawing {
     origin: [f64; 3],
 }
 
-impl Drawing {
-    fn new(report: &Report<'_>) -> Self {
+impl<'b> Drawing<'b> {
+    fn new(report: &Report<'b>) -> Self {
         let mesh = &report.problem.mesh;
-        let (body, regions, planes) = (Body::new(mesh), Regions::of(report.problem), report.symmetry_nodes());
+        let (regions, planes) = (Regions::of(report.problem), report.symmetry_nodes());
+        let parted = Parted::new(report.problem, &regions);
+        let body = Body::new(parted.mesh());
         let skin = Skin::new(mesh, &report.problem.cavity_facets(), &planes, &regions, &body);
         let is_cut = in_planes(mesh, &planes);
         let walls = mesh.boundary_facets().into_iter().filter(|&facet| !is_cut(facet)).collect();
         // Mirror images are those at planes through the origin.
         let mut origin = centre(&mesh.nodes);
         report.problem.symmetry.iter().for_each(|plane| origin[plane.axis] = plane.at);
-        Self { body, regions, skin, walls, origin }
+        Self { parted, body, regions, skin, walls, origin }
     }
 
     fn block_data(&self, block: &Block) -> BlockData {
@@ -158,7 +164,7 @@ impl Drawing {
         states: &[State],
         series: &Series,
     ) -> Result<BodyData<'a>, ReportError> {
-        let Self { body, regions, skin, origin, .. } = self;
+        let Self { parted, body, regions, skin, origin, .. } = self;
         let mesh = &report.problem.mesh;
         let nodes: Vec<f64> = body.nodes.iter().flat_map(|x| [0, 1, 2].map(|d| x[d] - origin[d])).collect();
         let lines = |lines: &'a Lines| LineData { pairs: integers(lines.pairs.as_flattened()), runs: &lines.runs };
@@ -179,14 +185,23 @@ impl Drawing {
             obstacles: obstacles::drawn(report, series, *origin)?,
             probes: probes.map(|(name, site)| ProbeData { name, node: site.node }).collect(),
             mesh_nodes: mesh.num_nodes(),
+            copied: integers(&parted.copied),
             states: of_states
-                .map(|((state, reached), time)| self.state_data(mesh, state, reached, *time))
+                .map(|((state, reached), time)| self.state_data(state, reached, *time))
                 .collect::<Result<_, _>>()?,
         })
     }
 
-    fn state_data(&self, mesh: &Mesh, state: &State, reached: &Reached, time: f64) -> Result<StateData, ReportError> {
-        let body = &self.body;
+    fn state_data(&self, state: &State, reached: &Reached, time: f64) -> Result<StateData, ReportError> {
+        let Self { parted, body, .. } = self;
+        let mesh = parted.mesh();
+        let displacement = parted.spread(&state.displacement);
+        let stresses = parted.stress(&state.stress, &state.displacement)?;
+        let mut stress_sizes = state.von_mises.clone();
+        stress_sizes.extend(parted.copied.iter().map(|_| 0.0));
+        for node in parted.several() {
+            stress_sizes[node] = von_mises(stresses[node]);
+        }
         let quantised =
             |name: &str, values: &[f64]| Quantised::new(values).ok_or_else(|| ReportError::NotFinite(name.into()));
         // Between the nodes of hex20 a field may overshoot below zero, which neither of these can be.
@@ -197,18 +212,18 @@ impl Drawing {
             Quantised::coarse(&body.completed(values, 1)).ok_or_else(|| ReportError::NotFinite(name.into()))
         };
         let component = |k: usize| {
-            let values: Vec<f64> = state.stress.iter().map(|stress| stress[k]).collect();
+            let values: Vec<f64> = stresses.iter().map(|stress| stress[k]).collect();
             coarse("cauchy_stress", &values)
         };
         let contact_p99 = touching.get((touching.len() * 99 / 100).min(touching.len().saturating_sub(1)));
         Ok(StateData {
             time,
-            displacement: quantised("displacement", &body.completed(state.displacement.as_flattened(), 3))?,
-            von_mises: quantised("von_mises", &scalar(&state.von_mises))?,
-            contact_pressure: quantised("contact_traction", &scalar(&state.contact_pressure))?,
+            displacement: quantised("displacement", &body.completed(displacement.as_flattened(), 3))?,
+            von_mises: quantised("von_mises", &scalar(&stress_sizes))?,
+            contact_pressure: quantised("contact_traction", &scalar(&parted.spread(&state.contact_pressure)))?,
             stress: (0..6).map(component).collect::<Result<_, _>>()?,
-            stretch: coarse("stretch", &largest_stretch(mesh, &state.displacement))?,
-            thickness: coarse("thickness", &thickness_change(mesh, &self.walls, &state.displacement))?,
+            stretch: coarse("stretch", &largest_stretch(mesh, &displacement))?,
+            thickness: coarse("thickness", &thickness_change(mesh, &self.walls, &displacement))?,
             largest_von_mises: reached.max_von_mises_mpa,
             typical: Typical {
                 von_mises: reached.von_mises_p99_mpa,

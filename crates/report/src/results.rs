@@ -5,7 +5,7 @@ use pneuflex_model::{Clock, StateKind, SymmetryPlane};
 
 use crate::numbers::{fixed, number};
 use crate::report::Report;
-use crate::summary::{Reached, Step};
+use crate::summary::{Found, Step};
 
 /// Digits that count in the largest number of a column, at the least.
 const DIGITS: i32 = 3;
@@ -106,7 +106,7 @@ pub fn results(report: &Report<'_>) -> Markup {
             @if !on_the_way.is_empty() {
                 p .note {
                     "States on the way were not asked for: they lie between the last " (report.parameter()) " that was reached and where the \
-                     run ended, and are solved well enough to go on from; the last one is solved as far as was possible."
+                     run ended. They are solved to the tolerances, the last one as far as was possible."
                 }
             }
             p .note {
@@ -120,20 +120,21 @@ pub fn results(report: &Report<'_>) -> Markup {
 fn columns(report: &Report<'_>) -> Vec<Column> {
     let summary = report.summary;
     let is_model = report.problem.clock == Clock::Steps;
-    let reached = || summary.reached().map(|(_, reached)| reached);
-    let one = |heading: &str, unit, decimals, of: &dyn Fn(&Reached) -> Option<f64>| {
+    let whole = || summary.reached().map(|(_, reached)| reached);
+    let reached = || whole().map(|step| &step.found);
+    let one = |heading: &str, unit, decimals, of: &dyn Fn(&Found) -> Option<f64>| {
         Column::new(heading, unit, decimals, reached().map(|step| of(step).map(|x| [x])))
     };
     let mut columns = Vec::new();
     if !is_model || reached().any(|step| step.end_face_angle_deg.is_some()) {
         columns.push(one("end-face angle", "°", 2, &|step| step.end_face_angle_deg));
-        columns.push(one("chord angle", "°", 2, &Reached::chord_angle_deg));
+        columns.push(one("chord angle", "°", 2, &Found::chord_angle_deg));
     }
     for name in names(reached().map(|step| step.cavities.keys())) {
-        let cavity = |step: &Reached| step.cavities.get(name).copied();
+        let cavity = |step: &Found| step.cavities.get(name).copied();
         columns.push(one(&format!("{name}: pressure"), "kPa", 2, &|step| cavity(step)?.pressure_kpa));
         if reached().any(|step| cavity(step).is_some_and(|cavity| cavity.volume_mm3.is_some())) {
-            let volume = |step: &Reached| cavity(step)?.volume_mm3;
+            let volume = |step: &Found| cavity(step)?.volume_mm3;
             columns.push(one(&format!("{name}: volume"), "mm³", 1, &volume));
         }
     }
@@ -154,17 +155,20 @@ fn columns(report: &Report<'_>) -> Vec<Column> {
     for name in names(reached().map(|step| step.obstacles.keys())) {
         let of = reached().map(|step| step.obstacles.get(name)?.force_n);
         columns.push(Column::new(&format!("{name}: force on it x, y, z"), "N", 3, of));
-        let area = |step: &Reached| step.obstacles.get(name)?.area_mm2;
+        let area = |step: &Found| step.obstacles.get(name)?.area_mm2;
         columns.push(one(&format!("{name}: contact area"), "mm²", 1, &area));
     }
-    columns.push(one("von Mises, 99 %", "MPa", 4, &|step| Some(step.von_mises_p99_mpa)));
-    columns.push(one("von Mises, largest", "MPa", 4, &|step| Some(step.max_von_mises_mpa)));
+    let p99 = whole().map(|step| Some([step.von_mises_p99_mpa]));
+    columns.push(Column::new("von Mises, 99 %", "MPa", 4, p99));
+    let largest = whole().map(|step| Some([step.max_von_mises_mpa]));
+    columns.push(Column::new("von Mises, largest", "MPa", 4, largest));
     if report.has_walls() {
         columns.push(one("contact area", "mm²", 1, &|step| Some(step.contact.area_mm2)));
         let gaps = if is_model { "pairs in contact" } else { "gaps in contact" };
-        let cells = reached().map(|step| step.contact.gaps_in_contact.to_string()).collect();
+        let count = |gaps: Option<usize>| gaps.map_or_else(|| "–".to_owned(), |gaps| gaps.to_string());
+        let cells = reached().map(|step| count(step.contact.gaps_in_contact)).collect();
         columns.push(Column { heading: gaps.into(), unit: "–", cells });
-        columns.push(one("penetration", "mm", 4, &|step| Some(step.contact.max_penetration_mm)));
+        columns.push(one("penetration", "mm", 4, &|step| step.contact.max_penetration_mm));
     }
     if !is_model {
         columns.push(one("air volume", "cm³", 3, &|step| Some(step.cavity_volume_mm3 / 1000.0)));

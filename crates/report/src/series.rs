@@ -6,14 +6,12 @@ use pneuflex_model::{Clock, Control};
 use pneuflex_post::measures;
 use serde::Serialize;
 
+use crate::curves::{Axis, CURVES, Curve, Plot, Rows, Values};
 use crate::error::ReportError;
 use crate::quantities;
 use crate::report::Report;
 use crate::state::State;
-use crate::summary::{Obstacle, Reached};
-
-/// Curves in one plot at the most.
-const CURVES: usize = 4;
+use crate::summary::{Found, Obstacle};
 
 /// Name of the largest displacement of all nodes.
 const LARGEST: &str = "largest";
@@ -24,18 +22,20 @@ const ROUNDING: f64 = 1e-9;
 /// mm³ from which volumes are in cm³.
 const LARGE: f64 = 1000.0;
 
-/// Numbers at rest and at every reached step.
+/// Numbers at rest, at every reached step and at the load steps between.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
     /// Where the states stand along the slider: the parameter of the load path, kPa for actuators, 0, then that of the reached steps; where it
     /// turned back, evenly spaced from there on.
     pub times: Vec<f64>,
-    /// The parameter there, where it turned back.
+    /// Where curves have their values: the times, and the load steps between them.
+    pub places: Vec<f64>,
+    /// The parameter at the times, where it turned back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<Vec<f64>>,
     /// How many of them, at the end, were not asked for: states on the way of a run that ended early.
     pub on_the_way: usize,
-    /// Bottom centreline, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
+    /// Bottom centreline at the places, \[x, z\] in mm from the clamp to the tip; left out for a body without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centrelines: Option<Vec<Vec<[f64; 2]>>>,
     /// What is said beside the slider.
@@ -44,42 +44,6 @@ pub struct Series {
     pub plots: Vec<Plot>,
     /// Further quantities, for plots of one over another.
     pub more: Vec<Plot>,
-}
-
-/// A plot with up to four curves of one unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plot {
-    /// What it shows.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Whether the axis begins at zero.
-    pub from_zero: bool,
-    /// What stands along the other axis; the parameter if it is left out and does not turn back.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub over: Option<Axis>,
-    /// Its curves.
-    pub curves: Vec<Curve>,
-}
-
-/// A quantity along an axis.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Axis {
-    /// What it is.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Its values at the series' times.
-    pub values: Vec<f64>,
-}
-
-/// A curve of a plot.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
-    /// Name of what it belongs to; empty where the plot's says it all.
-    pub name: String,
-    /// Its values at the series' times.
-    pub values: Vec<f64>,
 }
 
 /// The body at rest, followed by every reached step.
@@ -97,22 +61,21 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     if times.windows(2).any(|pair| pair[0] >= pair[1]) {
         return Err(ReportError::Order);
     }
-    let collect = Collect { report, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
+    let rows = Rows::of(report, &times);
+    let collect = Collect { report, rows: &rows, rest: vec![[0.0; 3]; report.problem.mesh.num_nodes()] };
     let (key_numbers, mut plots) = collect.plots()?;
-    for plot in plots.iter_mut().filter(|plot| plot.over.is_none()) {
-        let axis =
-            |values: &Vec<f64>| Axis { name: report.parameter().into(), unit: report.unit(), values: values.clone() };
-        plot.over = parameters.as_ref().map(axis);
+    for plot in plots.iter_mut().filter(|plot| turned && plot.over.is_none()) {
+        plot.over = Some(Axis { name: report.parameter().into(), unit: report.unit(), values: rows.parameters() });
     }
     let on_the_way = report.summary.on_the_way.iter().filter(|step| step.reached.is_some()).count();
-    let more = quantities::more(report.summary);
-    let series =
-        Series { times, parameters, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots, more };
-    let of_plots = (series.plots.iter().chain(&series.key_numbers).chain(&series.more))
-        .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
-        .flatten();
-    let of_lines = series.centrelines.iter().flatten().flatten().flatten();
-    if of_plots.chain(of_lines).all(|x| x.is_finite()) { Ok(series) } else { not_finite() }
+    let mut more = quantities::more(&rows);
+    more.push(Plot::single(report.parameter(), report.unit(), rows.parameters()));
+    let places = rows.0.iter().map(|row| row.place).collect();
+    let centrelines = collect.centrelines()?;
+    let series = Series { times, places, parameters, on_the_way, centrelines, key_numbers, plots, more };
+    let of_plots = series.plots.iter().chain(&series.key_numbers).chain(&series.more).flat_map(Plot::numbers);
+    let of_lines = series.centrelines.iter().flatten().flatten().flatten().copied();
+    if of_plots.chain(of_lines).all(f64::is_finite) { Ok(series) } else { not_finite() }
 }
 
 /// Increasing numbers for values that rise from zero and then turn back: the values themselves up to where they do, from there on steps of
@@ -127,6 +90,7 @@ fn along(values: &[f64]) -> Vec<f64> {
 /// Collects the curves of a report.
 struct Collect<'a> {
     report: &'a Report<'a>,
+    rows: &'a Rows<'a>,
     /// Displacements at rest.
     rest: Vec<[f64; 3]>,
 }
@@ -137,91 +101,71 @@ impl Collect<'_> {
         let is_model = self.report.problem.clock == Clock::Steps;
         let mut key_numbers = Vec::new();
         let mut plots = Vec::new();
-        if let Some(angle) = self.column(|reached| reached.end_face_angle_deg) {
-            key_numbers.push(single("end-face angle", "°", angle.clone()));
+        if let Some(angle) = self.rows.column(|reached| reached.end_face_angle_deg) {
+            key_numbers.push(Plot::single("end-face angle", "°", angle.clone()));
             let mut curves = vec![Curve { name: "end face".into(), values: angle }];
-            if let Some(chord) = self.column(Reached::chord_angle_deg) {
-                key_numbers.push(single("chord angle", "°", chord.clone()));
+            if let Some(chord) = self.rows.column(Found::chord_angle_deg) {
+                key_numbers.push(Plot::single("chord angle", "°", chord.clone()));
                 curves.push(Curve { name: "chord".into(), values: chord });
             }
-            plots.extend(grouped("Bending angle", "°", curves));
+            plots.extend(Plot::grouped("Bending angle", "°", curves));
         }
         if is_model {
             let displacements = self.displacements();
             if let Some(first) = displacements.first().filter(|_| key_numbers.is_empty()) {
                 let name = if first.name == LARGEST { "largest displacement" } else { &first.name };
-                key_numbers.push(single(name, "mm", first.values.clone()));
+                key_numbers.push(Plot::single(name, "mm", first.values.clone()));
             }
             let cavities = self.cavity_pressures();
             if let Some(first) = cavities.first() {
-                key_numbers.push(single(&first.name, "kPa", first.values.clone()));
+                key_numbers.push(Plot::single(&first.name, "kPa", first.values.clone()));
             }
             plots.extend(self.cavity_plots(cavities)?);
-            plots.extend(grouped("Displacement", "mm", displacements));
+            plots.extend(Plot::grouped("Displacement", "mm", displacements));
             let force = |force: &[f64; 3]| Some(length(*force));
-            let mut reactions = self.named(|reached| &reached.reactions, force);
+            let mut reactions = self.rows.named(|reached| &reached.reactions, force);
             reactions.sort_by(|a, b| largest(&b.values).total_cmp(&largest(&a.values)));
-            let forces = self.named(|reached| &reached.obstacles, |obstacle| obstacle.force_n.map(length));
-            let across = self.named(|reached| &reached.symmetry_reactions, force);
+            let forces = self.rows.named(|reached| &reached.obstacles, |obstacle| obstacle.force_n.map(length));
+            let across = self.rows.named(|reached| &reached.symmetry_reactions, force);
             let all = reactions.iter().chain(&forces).chain(&across);
             let least = ROUNDING * all.map(|curve| largest(&curve.values)).fold(0.0, f64::max);
             reactions.retain(|curve| largest(&curve.values) > least);
             reactions.truncate(CURVES);
-            plots.extend(grouped("Reaction", "N", reactions));
+            plots.extend(Plot::grouped("Reaction", "N", reactions));
         } else {
             let at_rest = measures::cavity_volume(self.report.problem, &self.rest)?;
             let volumes =
-                self.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
-            let volumes: Vec<f64> = volumes.into_iter().map(|mm3| mm3 / LARGE).collect();
+                self.rows.column_from(Some(at_rest), |reached| Some(reached.cavity_volume_mm3)).unwrap_or_default();
+            let volumes: Values = volumes.into_iter().map(|mm3| mm3.map(|mm3| mm3 / LARGE)).collect();
             plots.extend(self.air_of_chambers()?);
             if self.report.summary.has_turned() {
-                let pressures = std::iter::once(0.0).chain(self.report.summary.reached().map(|(at, _)| at)).collect();
                 let over = Axis { name: "air volume".into(), unit: "cm³", values: volumes.clone() };
-                plots.push(Plot { over: Some(over), ..single("Pressure", "kPa", pressures) });
+                plots.push(Plot { over: Some(over), ..Plot::single("Pressure", "kPa", self.rows.parameters()) });
             }
-            plots.push(Plot { from_zero: false, ..single("Air volume", "cm³", volumes) });
+            plots.push(Plot { from_zero: false, ..Plot::single("Air volume", "cm³", volumes) });
         }
         let force = |obstacle: &Obstacle| obstacle.force_n.map(length);
-        plots.extend(grouped("Force on obstacles", "N", self.named(|reached| &reached.obstacles, force)));
+        plots.extend(Plot::grouped("Force on obstacles", "N", self.rows.named(|reached| &reached.obstacles, force)));
         plots.extend(self.contact_areas());
-        let stress = self.column(|reached| Some(reached.von_mises_p99_mpa)).unwrap_or_default();
-        plots.push(single("von Mises stress, 99 %", "MPa", stress));
+        let stress = self.rows.column_of_states(|reached| reached.von_mises_p99_mpa);
+        plots.push(Plot::single("von Mises stress, 99 %", "MPa", stress));
         Ok((key_numbers, plots))
-    }
-
-    /// Zero at rest and a value at every reached step, if all of them are there.
-    fn column(&self, of: impl Fn(&Reached) -> Option<f64>) -> Option<Vec<f64>> {
-        self.column_from(Some(0.0), of)
-    }
-
-    fn column_from(&self, rest: Option<f64>, of: impl Fn(&Reached) -> Option<f64>) -> Option<Vec<f64>> {
-        std::iter::once(rest).chain(self.report.summary.reached().map(|(_, reached)| of(reached))).collect()
-    }
-
-    /// A curve for everything that has a name and a value at every reached step.
-    fn named<T>(&self, of: impl Fn(&Reached) -> &BTreeMap<String, T>, value: impl Fn(&T) -> Option<f64>) -> Vec<Curve> {
-        let Some((_, first)) = self.report.summary.reached().next() else { return Vec::new() };
-        let curve = |name: &String| {
-            let values = self.column(|reached| of(reached).get(name).and_then(&value))?;
-            Some(Curve { name: name.clone(), values })
-        };
-        of(first).keys().filter_map(curve).collect()
     }
 
     /// Contact between walls, and on every obstacle.
     fn contact_areas(&self) -> Vec<Plot> {
-        let mut curves = self.named(|reached| &reached.obstacles, |obstacle| obstacle.area_mm2);
-        if let Some(values) = self.column(|reached| Some(reached.contact.area_mm2))
+        let mut curves = self.rows.named(|reached| &reached.obstacles, |obstacle| obstacle.area_mm2);
+        if let Some(values) = self.rows.column(|reached| Some(reached.contact.area_mm2))
             && self.report.has_walls()
         {
             let name = if curves.is_empty() { String::new() } else { "between walls".into() };
             curves.insert(0, Curve { name, values });
         }
-        grouped("Contact area", "mm²", curves)
+        Plot::grouped("Contact area", "mm²", curves)
     }
 
     fn cavity_pressures(&self) -> Vec<Curve> {
-        self.named(|reached| &reached.cavities, |cavity| cavity.pressure_kpa)
+        self.rows.named(|reached| &reached.cavities, |cavity| cavity.pressure_kpa)
     }
 
     /// Pressure and growth in volume of the air of every chamber, where chambers have air of their own.
@@ -230,12 +174,12 @@ impl Collect<'_> {
         let mut growth = Vec::new();
         for cavity in self.report.problem.cavities.iter().filter(|_| !pressures.is_empty()) {
             let Some(at_rest) = measures::volume(self.report.problem, cavity, &self.rest)? else { continue };
-            let of = |reached: &Reached| Some(reached.cavities.get(&cavity.name)?.volume_mm3? - at_rest);
-            growth.extend(self.column(of).map(|values| Curve { name: cavity.name.clone(), values }));
+            let of = |reached: &Found| Some(reached.cavities.get(&cavity.name)?.volume_mm3? - at_rest);
+            growth.extend(self.rows.column(of).map(|values| Curve { name: cavity.name.clone(), values }));
         }
-        Ok(grouped("Pressure", "kPa", pressures)
+        Ok(Plot::grouped("Pressure", "kPa", pressures)
             .into_iter()
-            .chain(grouped("Growth of volume", "mm³", growth))
+            .chain(Plot::grouped("Growth of volume", "mm³", growth))
             .collect())
     }
 
@@ -244,14 +188,14 @@ impl Collect<'_> {
         let mut volumes = Vec::new();
         for cavity in &self.report.problem.cavities {
             let at_rest = measures::volume(self.report.problem, cavity, &self.rest)?;
-            let of = |reached: &Reached| reached.cavities.get(&cavity.name)?.volume_mm3;
-            if let Some(values) = self.column_from(at_rest, of) {
+            let of = |reached: &Found| reached.cavities.get(&cavity.name)?.volume_mm3;
+            if let Some(values) = self.rows.column_from(at_rest, of) {
                 volumes.push(Curve { name: cavity.name.clone(), values });
             }
         }
         let is_large = volumes.iter().any(|curve| largest(&curve.values) >= LARGE);
         let unit = if is_large { "cm³" } else { "mm³" };
-        for value in volumes.iter_mut().flat_map(|curve| &mut curve.values).filter(|_| is_large) {
+        for value in volumes.iter_mut().flat_map(|curve| &mut curve.values).flatten().filter(|_| is_large) {
             *value /= LARGE;
         }
         let pumped: BTreeMap<&str, &Curve> = (self.report.problem.cavities.iter())
@@ -263,14 +207,14 @@ impl Collect<'_> {
             if let Some(volume) = pumped.get(curve.name.as_str()) {
                 let over = Axis { name: "volume".into(), unit, values: volume.values.clone() };
                 let name = format!("Pressure, {}", curve.name);
-                plots.push(Plot { over: Some(over), ..single(&name, "kPa", curve.values.clone()) });
+                plots.push(Plot { over: Some(over), ..Plot::single(&name, "kPa", curve.values.clone()) });
             }
         }
         let others = |curves: &[Curve]| {
             curves.iter().filter(|curve| !pumped.contains_key(curve.name.as_str())).cloned().collect()
         };
-        plots.extend(grouped("Cavity pressure", "kPa", others(&pressures)));
-        let volumes = grouped("Cavity volume", unit, others(&volumes));
+        plots.extend(Plot::grouped("Cavity pressure", "kPa", others(&pressures)));
+        let volumes = Plot::grouped("Cavity volume", unit, others(&volumes));
         plots.extend(volumes.into_iter().map(|plot| Plot { from_zero: false, ..plot }));
         Ok(plots)
     }
@@ -280,38 +224,28 @@ impl Collect<'_> {
         let mut curves = Vec::new();
         if let Some(states) = self.report.states {
             let of = |state: &State| state.displacement.iter().map(|&u| length(u)).fold(0.0, f64::max);
-            let values = std::iter::once(0.0).chain(states.iter().map(of)).collect();
+            let values = self.rows.spread(std::iter::once(0.0).chain(states.iter().map(of)));
             curves.push(Curve { name: LARGEST.into(), values });
         }
-        curves.extend(self.named(|reached| &reached.probes, |u| Some(length(*u))));
+        curves.extend(self.rows.named(|reached| &reached.probes, |u| Some(length(*u))));
         curves
     }
 
     fn centrelines(&self) -> Result<Option<Vec<Vec<[f64; 2]>>>, ReportError> {
-        let mut lines = vec![measures::centreline(self.report.problem, &self.rest)?];
-        lines.extend(self.report.summary.reached().map(|(_, reached)| reached.centreline.clone()));
-        let count = lines[0].len();
-        Ok((count > 1 && lines.iter().all(|line| line.len() == count)).then_some(lines))
+        let rest = measures::centreline(self.report.problem, &self.rest)?;
+        let count = rest.len();
+        let line = |found: &Found| (found.centreline.len() == count).then(|| found.centreline.clone());
+        let lines = self.rows.vectors(Some(rest), line).and_then(|lines| lines.into_iter().collect());
+        Ok(lines.filter(|_| count > 1))
     }
-}
-
-fn single(name: &str, unit: &'static str, values: Vec<f64>) -> Plot {
-    let curves = vec![Curve { name: String::new(), values }];
-    Plot { name: name.into(), unit, from_zero: true, over: None, curves }
-}
-
-/// Plots with a few of the curves each.
-fn grouped(name: &str, unit: &'static str, curves: Vec<Curve>) -> Vec<Plot> {
-    let plot = |curves: &[Curve]| Plot { curves: curves.to_vec(), ..single(name, unit, Vec::new()) };
-    curves.chunks(CURVES).map(plot).collect()
 }
 
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |a, b| a.max(b.abs()))
+fn largest(values: &[Option<f64>]) -> f64 {
+    values.iter().flatten().fold(0.0, |a, b| a.max(b.abs()))
 }
 
 #[cfg(test)]
@@ -359,16 +293,17 @@ mod tests {
         assert_eq!(series.times, [0.0, 1.0, 2.0]);
         assert!(series.centrelines.is_none() && plot(&series, "Bending angle").is_none());
         let pumped = plot(&series, "Pressure, cavity").unwrap();
-        assert_eq!(pumped.curves[0].values, [0.0, 7.0, 14.0]);
+        assert_eq!(pumped.curves[0].values, [0.0, 7.0, 14.0].map(Some));
         let (volume, rest) = (pumped.over.as_ref().unwrap(), vec![[0.0; 3]; problem.mesh.num_nodes()]);
         let at_rest = measures::volume(&problem, &problem.cavities[0], &rest).unwrap().unwrap();
-        assert_eq!((&volume.values[..], volume.unit), (&[at_rest, 910.0, 920.0][..], "mm³"));
+        assert_eq!((&volume.values[..], volume.unit), (&[at_rest, 910.0, 920.0].map(Some)[..], "mm³"));
         assert!(plot(&series, "Cavity pressure").is_none() && plot(&series, "Cavity volume").is_none());
         let reactions = &plot(&series, "Reaction").unwrap().curves;
         assert_eq!(reactions.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>(), ["clamp"]);
-        assert!((reactions[0].values[2] - 101_f64.sqrt()).abs() < 1e-12);
-        assert!((plot(&series, "Force on obstacles").unwrap().curves[0].values[1] - 1.25_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(plot(&series, "Displacement").unwrap().curves[0].values[0], 0.0);
+        assert!((reactions[0].values[2].unwrap() - 101_f64.sqrt()).abs() < 1e-12);
+        let force = plot(&series, "Force on obstacles").unwrap().curves[0].values[1].unwrap();
+        assert!((force - 1.25_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(plot(&series, "Displacement").unwrap().curves[0].values[0], Some(0.0));
     }
 
     #[test]
@@ -393,9 +328,33 @@ mod tests {
     }
 
     #[test]
+    fn curves_go_through_the_load_steps_between_states() {
+        let problem = two_chambers(Formulation::Hex8Sri);
+        let mut summary = summary_json(&[5.0, 15.0]);
+        // The second is a state, too, and the third lies beyond the last one.
+        let step = |at: f64, angle: f64| {
+            json!({"pressure_kpa": at, "probes": {"tip": [0.0, 0.0, -at]}, "end_face_angle_deg": angle,
+                "centreline": summary["steps"][0]["centreline"], "cavity_volume_mm3": 900.0 + at,
+                "contact": {"points_active": 0, "area_mm2": 0.0}})
+        };
+        summary["load_steps"] = json!([step(9.0, 33.0), step(5.0, 44.0), step(16.0, 55.0)]);
+        let series = of_summary(&problem, summary.clone()).unwrap();
+        assert_eq!((&series.times[..], &series.places[..]), (&[0.0, 5.0, 15.0][..], &[0.0, 5.0, 9.0, 15.0][..]));
+        let angle = &plot(&series, "Bending angle").unwrap().curves[0].values;
+        assert_eq!(angle[..], [0.0, 10.0, 33.0, 30.0].map(Some));
+        let stress = &plot(&series, "von Mises stress, 99 %").unwrap().curves[0].values;
+        assert_eq!(stress[..], [Some(0.0), Some(0.05), None, Some(0.15)]);
+        let probe = series.more.iter().find(|plot| plot.name == "tip").unwrap();
+        assert_eq!(probe.curves[2].values, [0.0, -2.5, -9.0, -7.5].map(Some));
+        assert_eq!(series.more.last().unwrap().curves[0].values, [0.0, 5.0, 9.0, 15.0].map(Some));
+        summary["load_steps"][0]["end_face_angle_deg"] = "x".into();
+        assert!(serde_json::from_value::<Summary>(summary).is_err());
+    }
+
+    #[test]
     fn many_cavities_share_plots_by_fours() {
-        let curves = vec![Curve { name: "a".into(), values: vec![0.0] }; 9];
-        let counts: Vec<usize> = grouped("p", "kPa", curves).iter().map(|plot| plot.curves.len()).collect();
+        let curves = vec![Curve { name: "a".into(), values: vec![Some(0.0)] }; 9];
+        let counts: Vec<usize> = Plot::grouped("p", "kPa", curves).iter().map(|plot| plot.curves.len()).collect();
         assert_eq!(counts, [4, 4, 1]);
     }
 }

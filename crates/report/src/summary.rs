@@ -46,6 +46,9 @@ pub struct Summary {
     /// States of a run that ended early, beyond the last requested one that was reached; the last converged one comes last.
     #[serde(default)]
     pub on_the_way: Vec<Step>,
+    /// Load steps between requested pressures or times.
+    #[serde(default)]
+    pub load_steps: Vec<LoadStep>,
     /// Newton iterations.
     #[serde(default)]
     pub iterations_total: usize,
@@ -183,9 +186,37 @@ pub struct Step {
     pub reached: Option<Reached>,
 }
 
+/// A load step between requested pressures or times.
+#[derive(Clone, Debug, Deserialize)]
+pub struct LoadStep {
+    /// Time; left out for actuators.
+    #[serde(default)]
+    pub time: Option<f64>,
+    /// Air pressure, kPa; that of the first cavity of a model.
+    pub pressure_kpa: f64,
+    /// What was found.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
 /// What was found at a reached step.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Reached {
+    /// What load steps between requested ones have, too.
+    #[serde(flatten)]
+    pub found: Found,
+    /// Largest von Mises stress, MPa.
+    pub max_von_mises_mpa: f64,
+    /// von Mises stress not exceeded in 99 % of the volume, MPa.
+    pub von_mises_p99_mpa: f64,
+    /// What to be careful about, as older versions wrote it.
+    #[serde(default)]
+    pub warning: Option<String>,
+}
+
+/// What was found at a load step.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Found {
     /// Displacement of every probe, mm.
     #[serde(default)]
     pub probes: BTreeMap<String, [f64; 3]>,
@@ -195,10 +226,6 @@ pub struct Reached {
     /// Deformed bottom centreline, \[x, z\] in mm from the clamp to the tip; empty for a body without one.
     #[serde(default)]
     pub centreline: Vec<[f64; 2]>,
-    /// Largest von Mises stress, MPa.
-    pub max_von_mises_mpa: f64,
-    /// von Mises stress not exceeded in 99 % of the volume, MPa.
-    pub von_mises_p99_mpa: f64,
     /// Contact.
     pub contact: Contact,
     /// Volume of the air, mm³.
@@ -215,9 +242,6 @@ pub struct Reached {
     /// Rigid obstacles, by name.
     #[serde(default)]
     pub obstacles: BTreeMap<String, Obstacle>,
-    /// What to be careful about, as older versions wrote it.
-    #[serde(default)]
-    pub warning: Option<String>,
 }
 
 /// A cavity at a reached step.
@@ -247,10 +271,12 @@ pub struct Obstacle {
 pub struct Contact {
     /// Reference area in contact, mm².
     pub area_mm2: f64,
-    /// Largest depth by which walls pass through each other, mm.
-    pub max_penetration_mm: f64,
-    /// Gaps whose walls touch.
-    pub gaps_in_contact: usize,
+    /// Largest depth by which walls pass through each other, mm; of requested steps only.
+    #[serde(default)]
+    pub max_penetration_mm: Option<f64>,
+    /// Gaps whose walls touch; of requested steps only.
+    #[serde(default)]
+    pub gaps_in_contact: Option<usize>,
 }
 
 /// Where the time went, s.
@@ -297,7 +323,14 @@ pub struct Warning {
     pub advice: String,
 }
 
-impl Reached {
+impl LoadStep {
+    /// The time of the load path: the air pressure in kPa of an actuator.
+    pub fn when(&self) -> f64 {
+        self.time.unwrap_or(self.pressure_kpa)
+    }
+}
+
+impl Found {
     /// Angle of the chord from the clamp to the tip, degrees, positive downwards; none for a body without a centreline.
     pub fn chord_angle_deg(&self) -> Option<f64> {
         measures::angle_of_chord_deg(&self.centreline)

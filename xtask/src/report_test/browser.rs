@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket, connect};
@@ -139,6 +141,17 @@ impl Browser {
             std::thread::sleep(Duration::from_millis(30));
         }
         Ok(())
+    }
+
+    /// The upper left corner of the page as a PNG file, on a screen of that size and in its own pixels.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn picture(&mut self, [width, height]: [f64; 2]) -> Result<Vec<u8>, String> {
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.call("Emulation.setDeviceMetricsOverride", &size)?;
+        let shot = self.call("Page.captureScreenshot", &json!({"format": "png"}))?;
+        STANDARD.decode(shot["data"].as_str().unwrap_or_default()).map_err(|e| e.to_string())
     }
 
     /// Presses the left button at the first place, moves along the others with it, and lets it go.

@@ -7,10 +7,10 @@
 //! by light and on a phone by dark; with `--all`, everything is done on all four screens.
 
 mod bodies;
-mod browser;
+pub mod browser;
 mod checks;
 mod controls;
-mod visit;
+pub mod visit;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,10 +25,10 @@ use crate::program;
 use browser::Browser;
 
 /// Draws in software, which is there on every machine.
-const SOFTWARE: [&str; 3] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+pub const SOFTWARE: [&str; 3] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 
 /// A result folder that is looked at.
-struct Results {
+pub struct Results {
     folder: PathBuf,
     summary: Value,
     /// The mesh of an actuator.
@@ -163,7 +163,10 @@ impl Results {
     }
 
     /// Those of a body that is no actuator's.
-    fn of_body(folder: PathBuf) -> Result<Self, String> {
+    ///
+    /// # Errors
+    /// A summary that cannot be read.
+    pub fn of_body(folder: PathBuf) -> Result<Self, String> {
         Ok(Self { mesh: None, summary: read_summary(&folder)?, folder })
     }
 

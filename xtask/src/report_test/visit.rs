@@ -36,6 +36,9 @@ pub const SCREENS: [Screen; 4] = [
     Screen { name: "phone-dark", width: 390, height: 844, is_phone: true, scheme: "dark" },
 ];
 
+/// Height of a slice of a page, px.
+const SLICE: f64 = 1600.0;
+
 /// mm by which positions in the page may differ from those of the summary: well above the 16-bit steps of displacements of
 /// 100 mm, far below what anybody looks at.
 pub const TOLERANCE: f64 = 2e-3;
@@ -168,6 +171,26 @@ impl Visit<'_> {
 
     pub fn picture(&mut self, stage: &str) -> Result<(), String> {
         self.capture(stage, false)
+    }
+
+    /// The whole page in slices that can be read.
+    pub fn slices(&mut self, name: &str) -> Result<(), String> {
+        let height = self.browser.numbers("[document.documentElement.scrollHeight]")?[0];
+        let mut top = 0.0;
+        for number in 1.. {
+            let rest = (height - top).min(SLICE);
+            if rest <= 0.0 {
+                break;
+            }
+            let clip = json!({"x": 0, "y": top, "width": self.screen.width, "height": rest, "scale": 1});
+            let parameters = json!({"format": "png", "captureBeyondViewport": true, "clip": clip});
+            let shot = self.browser.call("Page.captureScreenshot", &parameters)?;
+            let bytes = STANDARD.decode(shot["data"].as_str().unwrap_or_default()).map_err(|e| e.to_string())?;
+            let file = self.pictures.join(format!("{name}-{}-{number}.png", self.screen.name));
+            fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
+            top += rest;
+        }
+        Ok(())
     }
 
     pub fn capture(&mut self, stage: &str, whole: bool) -> Result<(), String> {

@@ -1,9 +1,10 @@
 //! The figures: which of the paper's they stand for, and their drawings.
 
 use pneuflex::model::{LoadParameter, Pressure};
-use pneuflex::plot::chart::{Chart, PALETTE, Scale, Series, Style, Tornado, TornadoBar};
+use pneuflex::plot::chart::{Chart, PALETTE, Scale, Series, Style};
 use pneuflex::plot::drawing::{Colour, Drawing};
 use pneuflex::plot::picture::{self, Panel, View};
+use pneuflex::plot::tornado::{Tornado, TornadoBar};
 use pneuflex::post::surface_stress::{self, SurfaceState};
 use pneuflex::post::{contact, stress};
 

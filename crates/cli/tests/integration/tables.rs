@@ -1,6 +1,7 @@
 //! `pneuflex table` and `pneuflex find`.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -61,6 +62,16 @@ fn runs_stand_side_by_side_and_those_that_stopped_say_so() {
     assert!(lines[1].starts_with("         5.0  reached"), "{found}");
     assert!(lines.last().unwrap().trim_end().ends_with("not reached"), "{found}");
     assert!(lines[2..lines.len() - 1].iter().all(|line| line.contains("on the way")), "{found}");
+}
+
+/// A deck without cavities, probes and obstacles has the forces of its supports to tell of.
+#[test]
+fn a_deck_has_its_reactions() {
+    let scratch = Scratch::new("table-deck");
+    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/decks/blocks.inp");
+    assert_eq!(scratch.run(&["run", &deck.display().to_string(), "--out", "blocks", "--quiet", "--no-report"]).code, 0);
+    let found = scratch.run(&["table", "blocks"]).out;
+    assert!(found.lines().next().unwrap().contains("reaction.RAM.z_n"), "{found}");
 }
 
 #[test]

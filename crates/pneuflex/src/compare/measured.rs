@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::input_error::InputError;
+use crate::number_table::NumberTable;
 
 /// Columns with places of points.
 const POINT: [&str; 2] = ["x_mm", "z_mm"];
@@ -28,14 +29,8 @@ impl Measured {
     /// Reads the text of a file, whose rows stand at values of a parameter, `pressure_kpa` or `time`.
     pub fn read(path: &Path, text: &str, parameter: &str) -> Result<Self, InputError> {
         let wrong = |what: String| InputError::about_file(path, what);
-        let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-        let delimiter = if header.contains(';') && !header.contains(',') { b';' } else { b',' };
-        let mut reader = csv::ReaderBuilder::new();
-        reader.delimiter(delimiter).comment(Some(b'#')).trim(csv::Trim::All).flexible(false);
-        let mut reader = reader.from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-        let names: Vec<String> =
-            reader.headers().map_err(|e| wrong(e.to_string()))?.iter().map(str::to_owned).collect();
-        let place = |name: &str| names.iter().position(|other| other == name);
+        let table = NumberTable::of(path, text)?;
+        let place = |name: &str| table.column(name);
         let help = format!(
             "its first line has the names of the columns, e.g. {parameter},x_mm,z_mm or {parameter},end_face_angle_deg"
         );
@@ -43,40 +38,29 @@ impl Measured {
             wrong(format!("there is no column {parameter}, by which this run's states are known"))
                 .with_help(Some(help.clone()))
         })?;
-        if let Some(name) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)).map(|(_, name)| name)
-        {
-            return Err(wrong(format!("there are two columns {name}")));
-        }
         let point = match POINT.map(place) {
             [Some(x), Some(z)] => Some([x, z]),
             [None, None] => None,
             _ => return Err(wrong("a point has both x_mm and z_mm".into())),
         };
         let is_number = |column: &usize| *column != at && point.is_none_or(|point| !point.contains(column));
+        let names = table.names();
         let columns: Vec<usize> = (0..names.len()).filter(is_number).collect();
         let mut found = Self {
             numbers: columns.iter().map(|&column| (names[column].clone(), Vec::new())).collect(),
             ..Self::default()
         };
-        for record in reader.records() {
-            let record = record.map_err(|e| wrong(e.to_string()))?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let number = |column: usize| -> Result<Option<f64>, InputError> {
-                let cell = &record[column];
-                let not_one = || wrong(format!("line {line}: {} = {cell:?} is no finite number", names[column]));
-                let number = (!cell.is_empty()).then(|| cell.parse::<f64>().map_err(|_| not_one())).transpose()?;
-                number.map_or(Ok(None), |number| if number.is_finite() { Ok(Some(number)) } else { Err(not_one()) })
-            };
-            let at = number(at)?.ok_or_else(|| wrong(format!("line {line}: {parameter} is empty")))?;
-            if let Some(point) = point {
-                match [number(point[0])?, number(point[1])?] {
+        for row in 0..table.num_rows() {
+            let at = table.given(row, at)?;
+            if let Some([x, z]) = point {
+                match [table.number(row, x)?, table.number(row, z)?] {
                     [Some(x), Some(z)] => found.points.push(Sample { at, value: [x, z] }),
                     [None, None] => {}
-                    _ => return Err(wrong(format!("line {line}: a point has both x_mm and z_mm"))),
+                    _ => return Err(table.refused(row, ": a point has both x_mm and z_mm")),
                 }
             }
             for (&column, (_, samples)) in columns.iter().zip(&mut found.numbers) {
-                samples.extend(number(column)?.map(|value| Sample { at, value }));
+                samples.extend(table.number(row, column)?.map(|value| Sample { at, value }));
             }
         }
         found.numbers.retain(|(_, samples)| !samples.is_empty());
@@ -111,9 +95,9 @@ mod tests {
             ("time,x_mm,z_mm\n1,2,3\n", "there is no column pressure_kpa"),
             ("pressure_kpa,x_mm\n1,2\n", "both x_mm and z_mm"),
             ("pressure_kpa,x_mm,z_mm\n1,2,\n", "line 2: a point has both"),
-            ("pressure_kpa,angle\n1,two\n", "line 2: angle = \"two\" is no finite number"),
-            ("pressure_kpa,angle\n,2\n", "line 2: pressure_kpa is empty"),
-            ("pressure_kpa,angle,angle\n1,2,3\n", "two columns angle"),
+            ("pressure_kpa,angle\n1,two\n", "line 2, angle: \"two\" is no number"),
+            ("pressure_kpa,angle\n,2\n", "line 2, pressure_kpa: it is empty"),
+            ("pressure_kpa,angle,angle\n1,2,3\n", "two columns are called \"angle\""),
             ("pressure_kpa,angle\n1,\n", "there are no measurements in it"),
             ("pressure_kpa,angle\n1\n", "found record with 1 fields"),
         ] {

@@ -1,5 +1,6 @@
-// Between the computed times: piecewise cubic Hermite interpolation that keeps monotone data monotone
-// (Fritsch & Butland 1984, SIAM J. Sci. Stat. Comput. 5). Exact at the computed times.
+// Between the computed times. The body moves along piecewise cubic Hermite interpolations that keep monotone data monotone
+// (Fritsch & Butland 1984, SIAM J. Sci. Stat. Comput. 5); numbers go straight from one computed value to the next. Both are exact at the
+// computed times.
 
 /** Lists of numbers that depend on one parameter, known at some of its values. */
 export class Curve {
@@ -30,6 +31,34 @@ export class Curve {
     const wn = -h * t * t * (1 - t);
     for (let i = 0; i < target.length; i++) target[i] = wa * a[i] + wb * b[i] + wm * m[i] + wn * n[i];
     return target;
+  }
+}
+
+/** Numbers that depend on one parameter, each known at some of its values. */
+export class Lines {
+  /**
+   * @param {number[]} at increasing parameters
+   * @param {(number|null)[][]} columns for each number its values there; null where it is not known, but not at the ends
+   */
+  constructor(at, columns) {
+    this.at = at;
+    this.columns = columns;
+    const places = at.map((_, k) => k);
+    /** For each number the parameters at which it is known, and its values there. */
+    this.known = columns.map((values) => {
+      const there = places.filter((k) => values[k] !== null);
+      return { at: there.map((k) => at[k]), values: there.map((k) => values[k]) };
+    });
+  }
+
+  /** The numbers at a parameter within the known range. */
+  evaluate(parameter) {
+    return this.known.map(({ at, values }) => {
+      if (at.length === 1) return values[0];
+      const k = interval(at, parameter);
+      const share = (parameter - at[k]) / (at[k + 1] - at[k]);
+      return (1 - share) * values[k] + share * values[k + 1];
+    });
   }
 }
 

@@ -1,7 +1,7 @@
 // A plot of one quantity over another, both chosen.
 
-/** Everything that a state has a number for: what is plotted, what it is plotted over, and the time itself. */
-function quantities(series, clock) {
+/** Everything that a state has a number for: what is plotted, what it is plotted over, the time among them. */
+function quantities(series) {
   const found = new Map();
   const add = (name, unit, values) => found.has(name) || found.set(name, { name, unit, values });
   for (const { name, unit, over, curves } of [...series.plots, ...series.more]) {
@@ -11,14 +11,12 @@ function quantities(series, clock) {
   if (series.centrelines) {
     ["x", "z"].forEach((axis, d) => add(`Tip, ${axis}`, "mm", series.centrelines.map((line) => line[line.length - 1][d])));
   }
-  const numbers = clock.computed.map((time) => clock.parameter(time));
-  add(clock.name, clock.unit, numbers);
   return [...found.values()];
 }
 
 /** A plot of any quantity over any other; `draw` makes it. */
 export function ownPlot(series, clock, draw) {
-  const all = quantities(series, clock);
+  const all = quantities(series);
   if (all.length < 2) return null;
   const figure = Object.assign(document.createElement("figure"), { className: "own" });
   const chooser = (id, label, chosen) => {
@@ -27,14 +25,14 @@ export function ownPlot(series, clock, draw) {
     all.forEach(({ name }, i) => select.append(new Option(name, i, false, i === chosen)));
     return select;
   };
-  const [x, y] = [chooser("own-x", "Quantity along x", all.length - 1), chooser("own-y", "Quantity along y", 0)];
+  const [x, y] = [chooser("own-x", "Quantity along x", all.findIndex(({ name }) => name === clock.name)), chooser("own-y", "Quantity along y", 0)];
   const choice = Object.assign(document.createElement("p"), { className: "choice" });
   choice.append(y, " over ", x);
   let plot = null;
   const show = () => {
     plot?.stop();
     const [over, { name, unit, values }] = [all[x.value], all[y.value]];
-    plot = draw({ name, unit, over, curves: [{ values }] }, clock);
+    plot = draw({ name, unit, over, curves: [{ values }] });
     figure.replaceChildren(choice, ...plot.element.childNodes);
   };
   for (const select of [x, y]) select.addEventListener("change", show);

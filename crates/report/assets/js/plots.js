@@ -1,8 +1,8 @@
-// Plots against time (an actuator's is its air pressure) as SVG, with marks at the time shown. Dots are computed; the lines between
-// them are interpolated.
+// Plots against time (an actuator's is its air pressure) as SVG, with marks at the time shown. Dots are computed: large ones at the states
+// that have fields, small ones at load steps between them. The straight lines only join them.
 
 import { fixed, short, tickTexts, ticks } from "pneuflex/format";
-import { Curve } from "pneuflex/interpolation";
+import { Lines } from "pneuflex/interpolation";
 import { ownPlot } from "pneuflex/own-plot";
 import { layOut } from "pneuflex/plot-layout";
 import { fileName, save } from "pneuflex/snapshot";
@@ -61,10 +61,12 @@ class Plot {
     return this.names.length ? this.names.map((name) => `${this.name}: ${name}${unit}`) : [`${this.name}${unit}`];
   }
 
-  /** The computed numbers, a row for each state. */
+  /** The computed numbers, a row for each state and load step; nothing where a load step has no number. */
   csv() {
     const cell = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const rows = this.clock.computed.map((time, k) => [this.clock.written(time), ...Array.from(this.curve.values[k], String)]);
+    const { at, columns } = this.curve;
+    const when = (place) => (this.clock.computed.includes(place) ? this.clock.written(place) : String(this.clock.parameter(place)));
+    const rows = at.map((place, k) => [when(place), ...columns.map((values) => String(values[k] ?? ""))]);
     return [[this.clock.label, ...this.columns()].map(cell), ...rows.map((row) => row.map((text) => text.replace("−", "-")))].map((row) => `${row.join(",")}\n`).join("");
   }
 
@@ -98,7 +100,7 @@ class Plot {
 
   /** All numbers at a time. */
   at(time) {
-    return this.curve.evaluate(time, new Float64Array(this.curve.values[0].length));
+    return this.curve.evaluate(time);
   }
 
   /** What a curve belongs to, before a text of its own. */
@@ -150,17 +152,23 @@ class Plot {
     this.drawing.append(grid, texts);
   }
 
+  /** Where a curve is known, by time. */
+  placesOf(i) {
+    return this.curve.known[i].at;
+  }
+
   lines() {
-    const { computed, highest } = this.clock;
-    const samples = Array.from({ length: 161 }, (_, i) => (highest * i) / 160).concat(computed).sort((a, b) => a - b);
-    const places = samples.map((time) => this.points(time));
-    const dots = computed.map((time) => this.points(time));
     this.needle = svg("line", { class: "needle" });
     this.hint = svg("g", { class: "hint" });
     this.nows = this.points(0).map((_, i) => {
       const group = svg("g", this.names.length ? { class: `curve-${i}` } : {});
-      group.append(svg("path", { class: "line", d: path(places.map((points) => points[i])) }));
-      for (const points of dots) group.append(svg("circle", { class: "computed", cx: points[i][0], cy: points[i][1], r: 3 }));
+      const places = this.placesOf(i);
+      const points = places.map((time) => this.points(time)[i]);
+      group.append(svg("path", { class: "line", d: path(points) }));
+      points.forEach(([cx, cy], k) => {
+        const isState = this.clock.computed.includes(places[k]);
+        group.append(svg("circle", { class: isState ? "computed" : "computed step", cx, cy, r: isState ? 3 : 1.8 }));
+      });
       const now = svg("circle", { class: "now", r: 5 });
       group.append(now);
       this.drawing.append(group);
@@ -180,13 +188,12 @@ class Plot {
     this.setNeedle(points[0][0]);
   }
 
-  /** Shows the value of the curve that is nearest to the pointer. */
+  /** Shows the computed value that is nearest to the pointer. */
   hover(event) {
-    const time = this.clock.snapped(this.timeAt(event));
     const [px, py] = this.pointer(event);
-    const distances = this.points(time).map(([x, y]) => Math.hypot(x - px, y - py));
-    const i = distances.indexOf(Math.min(...distances));
-    const [x, y] = this.points(time)[i];
+    const all = this.nows.flatMap((_, i) => this.placesOf(i).map((time) => ({ i, time, at: this.points(time)[i] })));
+    const distance = ({ at: [x, y] }) => Math.hypot(x - px, y - py);
+    const { i, time, at: [x, y] } = all.reduce((a, b) => (distance(b) < distance(a) ? b : a));
     const { width, right, left, top } = SIZE;
     const words = `${this.clock.words(time)}: ${this.prefix(i)}${this.texts(time)[i]}`;
     const text = svg("text", { y: Math.max(y - 10, top + 10) }, words);
@@ -209,10 +216,10 @@ const valueText = (value, unit) => `${short(value)} ${unit}`.replace(" °", "°"
 
 class AgainstTime extends Plot {
   texts(time) {
-    return Array.from(this.at(time), (value) => valueText(value, this.unit));
+    return this.at(time).map((value) => valueText(value, this.unit));
   }
   points(time) {
-    return Array.from(this.at(time), (value) => [this.x(time), this.y(value)]);
+    return this.at(time).map((value) => [this.x(time), this.y(value)]);
   }
   setNeedle(x) {
     const { height, top, bottom } = SIZE;
@@ -253,7 +260,11 @@ class Over extends InPlane {
     return [unit ? `${name} (${unit})` : name, ...super.columns()];
   }
   texts(time) {
-    return Array.from(this.at(time).slice(1), (value) => valueText(value, this.unit));
+    return this.at(time).slice(1).map((value) => valueText(value, this.unit));
+  }
+  placesOf(i) {
+    const [over, of] = [super.placesOf(0), super.placesOf(i + 1)];
+    return of.filter((time) => over.includes(time));
   }
   points(time) {
     const [x, ...values] = this.at(time);
@@ -275,7 +286,7 @@ class Shape extends InPlane {
     return path(Array.from({ length: line.length / 2 }, (_, i) => [this.x(line[2 * i]), this.y(line[2 * i + 1])]));
   }
   lines() {
-    for (const line of this.curve.values) this.drawing.append(svg("path", { class: "shape", d: this.path(line) }));
+    for (const time of this.clock.computed) this.drawing.append(svg("path", { class: "shape", d: this.path(this.at(time)) }));
     super.lines();
     this.shape = svg("path", { class: "shape present" });
     const [now] = this.nows;
@@ -305,7 +316,7 @@ const ends = (lists) => lists.map((list) => [list[0], list[list.length - 1]]);
 
 /** Round numbers around all values of a plot. */
 function around(lists, fromZero, count) {
-  const values = lists.flat();
+  const values = lists.flat().filter((value) => value !== null);
   const [low, high] = [Math.min(...values), Math.max(...values)];
   if (fromZero) return ticks(Math.min(0, low), Math.max(0, high), count);
   // What stays but for rounding is a straight line.
@@ -313,22 +324,22 @@ function around(lists, fromZero, count) {
   return ticks(low, Math.max(high, low + least), count);
 }
 
-function draw({ name, unit, from_zero: fromZero, over, curves }, clock) {
+function draw(places, { name, unit, from_zero: fromZero, over, curves }, clock) {
   const yTicks = around(curves.map(({ values }) => values), fromZero, 4);
   const xTicks = over ? around([over.values], false, 5) : ticks(0, clock.highest, 5);
   const range = { ticks: [xTicks, yTicks], ends: ends([xTicks, yTicks]) };
-  const columns = [...(over ? [over] : []), ...curves].map(({ values }) => values);
-  const curve = new Curve(clock.computed, clock.computed.map((_, k) => Float64Array.from(columns, (values) => values[k])));
+  const curve = new Lines(places, [...(over ? [over] : []), ...curves].map(({ values }) => values));
   const names = curves.map((curve) => curve.name).filter(Boolean);
   if (over) return new Over({ name, unit, names, over }, clock, curve, range);
   return new AgainstTime({ name, unit, names, xLabel: clock.label }, clock, curve, range);
 }
 
-function drawShape(lines, clock) {
+function drawShape(places, lines, clock) {
   const [xs, zs] = [0, 1].map((d) => lines.flatMap((line) => line.map((point) => point[d])));
   const { size, range } = evenly(xs, zs);
   const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size };
-  return new Shape(labels, clock, new Curve(clock.computed, lines.map((line) => Float64Array.from(line.flat()))), range);
+  const flat = lines.map((line) => line.flat());
+  return new Shape(labels, clock, new Lines(places, flat[0].map((_, i) => flat.map((line) => line[i]))), range);
 }
 
 /** Draws all plots into `beside` and, as far as there is no room there, `below`; `series` is the data's. */
@@ -337,9 +348,12 @@ export function drawPlots(beside, below, series, clock) {
     beside.textContent = "There is nothing to plot: the body stayed at rest.";
     return;
   }
-  const plots = series.plots.map((plot) => draw(plot, clock));
-  if (series.centrelines) plots.splice(1, 0, drawShape(series.centrelines, clock));
-  const own = ownPlot(series, clock, draw);
-  const note = Object.assign(document.createElement("p"), { className: "note", textContent: "Dots are computed; the lines between them are interpolated." });
+  const { places } = series;
+  const drawOne = (plot) => draw(places, plot, clock);
+  const plots = series.plots.map(drawOne);
+  if (series.centrelines) plots.splice(1, 0, drawShape(places, series.centrelines, clock));
+  const own = ownPlot(series, clock, drawOne);
+  const kinds = places.length > clock.computed.length ? ": large ones where there are fields, small ones at load steps on the way" : "";
+  const note = Object.assign(document.createElement("p"), { className: "note", textContent: `Dots are computed${kinds}. Straight lines only join them.` });
   layOut([...plots.map((plot) => plot.element), ...(own ? [own] : [])], beside, below, note);
 }

@@ -87,7 +87,7 @@ export class Probe {
     const place = (list) => vector(list).map((x, d) => x + origin[d]);
     const isThere = !FIELDS[field].isOfSurface || states.isOnSurface[this.node];
     return {
-      node: this.node,
+      node: states.numberOf(this.node),
       reference: place(nodes),
       position: place(position),
       displacement: vector(displacement),
@@ -120,8 +120,8 @@ export class Probe {
       const { name, unit, scale } = FIELDS[field];
       rows.push([name, reading.shown === null ? "not inside" : short(scale * reading.shown), unit]);
     }
-    const name = this.names.get(this.node);
-    this.element.replaceChildren(heading(`Node ${this.node}${name === undefined ? "" : ` · ${name}`}`, () => this.choose(null)), table(rows));
+    const name = this.names.get(reading.node);
+    this.element.replaceChildren(heading(`Node ${reading.node}${name === undefined ? "" : ` · ${name}`}`, () => this.choose(null)), table(rows));
   }
 
   /** Keeps the marker's size on the screen. */

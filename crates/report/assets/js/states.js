@@ -45,6 +45,8 @@ export class States {
     /** Fields besides those that are always known. */
     this.prepared = [];
     this.mirrored = body.mirrored;
+    this.meshNodes = body.mesh_nodes;
+    this.copied = integers(body.copied);
     this.blocks = body.elements.map(({ nodes, nodes_per_element: nodesPerElement, tetrahedra, regions }) => ({
       elements: integers(nodes),
       nodesPerElement,
@@ -156,6 +158,11 @@ export class States {
   nodesOf(field, region) {
     const nodes = region === undefined ? this.allNodes : this.regionNodes[region];
     return FIELDS[field].isOfSurface ? nodes.filter((node) => this.isOnSurface[node]) : nodes;
+  }
+
+  /** The number that a node has in the mesh: nodes between materials have a copy for each. */
+  numberOf(node) {
+    return this.copied[node - this.meshNodes] ?? node;
   }
 
   /** The coordinates of a node in `positions` (the body's at rest or now) as they are in space, mm. */

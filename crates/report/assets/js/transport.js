@@ -1,7 +1,7 @@
 // The time shown (an actuator's is its air pressure), and the slider, ticks and play button that change it.
 
 import { decimalsFor, exact, fixed, short } from "pneuflex/format";
-import { Curve, interval } from "pneuflex/interpolation";
+import { interval, Lines } from "pneuflex/interpolation";
 
 /** Seconds from rest to the end. */
 const SWEEP = 4;
@@ -20,7 +20,7 @@ export class Clock {
     Object.assign(this, what);
     this.computed = computed;
     /** The parameter along the path, where it turns back. */
-    this.course = what.parameters && new Curve(computed, what.parameters.map((x) => Float64Array.of(x)));
+    this.course = what.parameters && new Lines(computed, [what.parameters]);
     /** Where those begin that were not asked for. */
     this.requested = computed.length - onTheWay;
     this.highest = computed[computed.length - 1];
@@ -34,7 +34,7 @@ export class Clock {
 
   /** The parameter at a place of the slider. */
   parameter(value) {
-    return this.course ? this.course.evaluate(value, new Float64Array(1))[0] : value;
+    return this.course ? this.course.evaluate(value)[0] : value;
   }
 
   /** A time in words, as it is now between two computed ones. */
@@ -207,16 +207,16 @@ export class Transport {
 }
 
 /** What is said beside the slider: functions from a time to a text. */
-function keyNumbers({ times, key_numbers: numbers, centrelines }) {
+function keyNumbers({ places, key_numbers: numbers, centrelines }) {
   const texts = numbers.map(({ name, unit, curves: [{ values }] }) => {
-    const curve = new Curve(times, values.map((x) => Float64Array.of(x)));
+    const line = new Lines(places, [values]);
     const text = (x) => (unit === "°" ? `${fixed(x, 1)}°` : `${short(x)} ${unit}`);
-    return (time) => `${name} ${text(curve.evaluate(time, new Float64Array(1))[0])}`;
+    return (time) => `${name} ${text(line.evaluate(time)[0])}`;
   });
   if (centrelines) {
-    const tip = new Curve(times, centrelines.map((line) => Float64Array.from(line[line.length - 1])));
+    const tip = new Lines(places, [0, 1].map((d) => centrelines.map((line) => line[line.length - 1][d])));
     texts.push((time) => {
-      const [x, z] = tip.evaluate(time, new Float64Array(2));
+      const [x, z] = tip.evaluate(time);
       return `tip x ${fixed(x, 1)}, z ${fixed(z, 1)} mm`;
     });
   }
