@@ -108,11 +108,19 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     let more = quantities::more(report.summary);
     let series =
         Series { times, parameters, on_the_way, centrelines: collect.centrelines()?, key_numbers, plots, more };
-    let of_plots = (series.plots.iter().chain(&series.key_numbers).chain(&series.more))
-        .flat_map(|plot| plot.curves.iter().map(|curve| &curve.values).chain(plot.over.iter().map(|axis| &axis.values)))
-        .flatten();
-    let of_lines = series.centrelines.iter().flatten().flatten().flatten();
-    if of_plots.chain(of_lines).all(|x| x.is_finite()) { Ok(series) } else { not_finite() }
+    if series.is_finite() { Ok(series) } else { not_finite() }
+}
+
+impl Series {
+    /// Whether all numbers of the plots and lines are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let of_plot = |plot: &Plot| {
+            let axis = plot.over.iter().map(|axis| &axis.values);
+            plot.curves.iter().map(|curve| &curve.values).chain(axis).flatten().all(|x| x.is_finite())
+        };
+        let mut of_lines = self.centrelines.iter().flatten().flatten().flatten();
+        self.plots.iter().chain(&self.key_numbers).chain(&self.more).all(of_plot) && of_lines.all(|x| x.is_finite())
+    }
 }
 
 /// Increasing numbers for values that rise from zero and then turn back: the values themselves up to where they do, from there on steps of
@@ -295,13 +303,15 @@ impl Collect<'_> {
     }
 }
 
-fn single(name: &str, unit: &'static str, values: Vec<f64>) -> Plot {
+/// A plot with one curve.
+pub fn single(name: &str, unit: &'static str, values: Vec<f64>) -> Plot {
     let curves = vec![Curve { name: String::new(), values }];
     Plot { name: name.into(), unit, from_zero: true, over: None, curves }
 }
 
 /// Plots with a few of the curves each.
-fn grouped(name: &str, unit: &'static str, curves: Vec<Curve>) -> Vec<Plot> {
+/// Curves of one unit, in as many plots as they need.
+pub fn grouped(name: &str, unit: &'static str, curves: Vec<Curve>) -> Vec<Plot> {
     let plot = |curves: &[Curve]| Plot { curves: curves.to_vec(), ..single(name, unit, Vec::new()) };
     curves.chunks(CURVES).map(plot).collect()
 }
