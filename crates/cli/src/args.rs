@@ -202,6 +202,9 @@ pub struct RunArguments {
     /// behind @; may be repeated. They go to gradients.json
     #[arg(long, value_name = "RESULT[@AT]")]
     pub gradient: Vec<Request>,
+    /// In addition the derivatives of these results by the position of every node at rest, as fields in shape_gradients.vtu
+    #[arg(long, requires = "gradient")]
+    pub shape: bool,
     /// Leave out report.html
     #[arg(long)]
     pub no_report: bool,
@@ -227,6 +230,13 @@ pub struct CheckGradientArguments {
     pub solve: SolveArguments,
 }
 
+/// The name of a file for a drawing.
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_known = path.extension().is_some_and(|extension| extension == "svg" || extension == "png");
+    is_known.then_some(path).ok_or_else(|| "expected a name that ends in .svg or .png".to_owned())
+}
+
 /// Arguments of `pneuflex uncertainty`.
 #[derive(Debug, Args)]
 pub struct UncertaintyArguments {
@@ -245,6 +255,9 @@ pub struct UncertaintyArguments {
     /// Write all numbers into a file
     #[arg(long, value_name = "FILE.json")]
     pub json: Option<PathBuf>,
+    /// Draw for every result what each tolerance contributes, as SVG or PNG by the file's name
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    pub chart: Option<PathBuf>,
     /// How it is solved.
     #[command(flatten)]
     pub solve: SolveArguments,

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use pneuflex::folder::DESIGNED;
 use pneuflex_inverse::design::{DesignProblem, Designed, Held, Reached, Value};
-use pneuflex_inverse::minimise::{Judged, TOLERANCE, Why};
+use pneuflex_inverse::minimise::{Judged, TOLERANCE};
 
 use crate::args::{SearchArguments, changes};
 use crate::error::CliError;
@@ -37,7 +37,7 @@ pub fn design(arguments: &SearchArguments) -> Result<Outcome, CliError> {
     let _ = std::io::stdout().write_all(text(&found).as_bytes());
     // Said even when quiet where it is the reason for the exit code.
     if !(found.is_good() && solve.with.quiet) {
-        say(&why(&found));
+        say(&found.why_in_words());
     }
     if !solve.with.quiet {
         say(&format!("{} has all numbers, case.toml beside it the design", path.join(DESIGNED).display()));
@@ -60,42 +60,25 @@ fn goodness(judged: &Judged) -> String {
     words.join(", ")
 }
 
-/// Why the search has ended.
-fn why(found: &Designed) -> String {
-    let broken: Vec<&str> = found.limits.iter().filter(|limit| !limit.holds).map(|limit| limit.name.as_str()).collect();
-    let active = found.limits.iter().filter(|limit| limit.is_active).map(|limit| limit.name.clone());
-    let at_bounds =
-        found.values.iter().filter(|value| value.is_at_bound).map(|value| format!("the bound of {}", value.name));
-    let keeps: Vec<String> = active.chain(at_bounds).collect();
-    let keeps = if keeps.is_empty() {
-        String::new()
-    } else {
-        format!("; what keeps it from being better: {}", keeps.join(", "))
-    };
-    match found.why {
-        Why::Met => "all targets are met".to_owned(),
-        Why::Converged if !broken.is_empty() => {
-            format!("not met: no design near this one holds {}{keeps}", broken.join(", "))
-        }
-        Why::Converged if found.targets.iter().any(|target| !target.is_met()) => {
-            format!("not met: no design near this one comes nearer to the targets{keeps}")
-        }
-        Why::Converged => format!("no design near this one is better{keeps}"),
-        Why::NoDescent => {
-            format!("not converged: no step makes it better, however short; another start may help{keeps}")
-        }
-        Why::Enough => {
-            format!("not converged after {} solutions: `solutions` allows more, --resume goes on", found.solutions)
-        }
-    }
-}
-
 fn text(found: &Designed) -> String {
     let mut text = format!("{:<28} {:>12} {:>12}\n", "", "value", "start");
     for Value { name, value, start, is_at_bound } in &found.values {
         let bound = if *is_at_bound { "  at its bound" } else { "" };
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{name:<28} {:>12} {:>12}{bound}", number(*value), number(*start));
+    }
+    for (place, start) in found.starts.iter().enumerate().filter(|_| found.starts.len() > 1) {
+        let mark = if start.is_best { ", the best" } else { "" };
+        let _ = match start.objective {
+            Some(objective) => writeln!(
+                text,
+                "start {}: objective {} after {} solutions{mark}",
+                place + 1,
+                number(objective),
+                start.solutions
+            ),
+            None => writeln!(text, "start {}: no results", place + 1),
+        };
     }
     for target in &found.targets {
         let Reached { name, wanted, off, within } = target;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use pneuflex::diagnosis::{Warning, WarningKind};
 use pneuflex::error_estimate::ErrorEstimate;
-use pneuflex::folder::{GRADIENTS, REPORT};
-use pneuflex::gradient::{Derivative, Gradient, write_gradients};
+use pneuflex::folder::{GRADIENTS, REPORT, SHAPE_GRADIENTS};
+use pneuflex::gradient::{Derivative, Gradient, write_gradients, write_shape_gradients};
 use pneuflex::model::LoadParameter;
 use pneuflex::post::summary::StepSummary;
 use pneuflex::report_page::write_report;
@@ -37,6 +37,9 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     }
     let analysis = study.build_within(arguments.solve.memory_limit())?;
     analysis.check_gradients(&arguments.gradient)?;
+    if arguments.shape {
+        analysis.check_shape_gradients(&arguments.gradient)?;
+    }
     let default = || PathBuf::from("out").join(analysis.stem());
     let folder = OutputFolder::prepare(&arguments.out.clone().unwrap_or_else(default))?;
     let place = folder.path().display();
@@ -86,6 +89,12 @@ pub fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
             {
                 write_gradients(&folder, gradients)?;
                 gradients.iter().for_each(|gradient| say_gradient(&analysis, gradient, &progress));
+            }
+            if arguments.shape && gradients.is_ok() {
+                let shapes = analysis.shape_gradients(&solution.fields, &arguments.gradient)?;
+                write_shape_gradients(&folder, &analysis, &shapes)?;
+                let seconds = shapes.iter().fold(0.0_f64, |most, shape| most.max(shape.seconds));
+                progress.line(&format!("derivatives by all nodes are in {SHAPE_GRADIENTS} ({})", duration(seconds)));
             }
             report(&solution.states);
             gradients?;

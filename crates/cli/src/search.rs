@@ -17,12 +17,16 @@ pub const DIGITS: i32 = 5;
 
 /// Says what became of a design; `misfit` is how good it is, in words.
 pub fn line(progress: &Progress<'_>, misfit: &str) {
-    let number = progress.step.number;
+    let (number, [start, starts]) = (progress.number, progress.start);
+    let place = if starts > 1 { format!("start {start} of {starts}, ") } else { String::new() };
     let end = if progress.is_known { "known".to_owned() } else { duration(progress.tried.seconds) };
     say(&match &progress.tried.outside {
-        Some(why) => format!("solution {number}: none, stepping back ({end}): {why}"),
-        None if number == 1 || progress.step.is_better => format!("solution {number}: {misfit} ({end})"),
-        None => format!("solution {number}: {misfit}, no better: a shorter step ({end})"),
+        Some(why) if progress.step.number == 1 => {
+            format!("{place}solution {number}: none, beginning elsewhere ({end}): {why}")
+        }
+        Some(why) => format!("{place}solution {number}: none, stepping back ({end}): {why}"),
+        None if progress.step.is_better => format!("{place}solution {number}: {misfit} ({end})"),
+        None => format!("{place}solution {number}: {misfit}, no better: a shorter step ({end})"),
     });
 }
 

@@ -3,10 +3,14 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
+use std::path::Path;
 
+use pneuflex::plot::PlotError;
+use pneuflex::plot::chart::{Tornado, TornadoBar};
+use pneuflex::plot::drawing::Drawing;
 use pneuflex::{Error, json};
 use pneuflex_inverse::search::base;
-use pneuflex_inverse::uncertainty::{Contribution, Sampled, Spread, Tolerances, Uncertainty};
+use pneuflex_inverse::uncertainty::{Contribution, Sampled, Spread, Tolerances, Tolerated, Uncertainty};
 use pneuflex_sweep::node::Node;
 
 use crate::args::UncertaintyArguments;
@@ -19,12 +23,15 @@ use crate::terminal::say;
 /// Contributors that are named in the table.
 const MOST_NAMED: usize = 3;
 
+/// Width of a chart, px.
+const WIDTH: f64 = 640.0;
+
 /// Prints a row for every result at every pressure.
 ///
 /// # Errors
 /// Bad input, found before anything is solved; a case that has no results; a file that cannot be written.
 pub fn uncertainty(arguments: &UncertaintyArguments) -> Result<Outcome, CliError> {
-    let UncertaintyArguments { case, of, tolerance, check, json: out, solve } = arguments;
+    let UncertaintyArguments { case, of, tolerance, check, json: out, chart, solve } = arguments;
     solve.with.use_threads()?;
     let base = base(case.case.clone(), &Node::default(), &case.changes()?);
     let stop = interrupt::listen();
@@ -46,9 +53,41 @@ pub fn uncertainty(arguments: &UncertaintyArguments) -> Result<Outcome, CliError
         let text = json::pretty(&found).map_err(CliError::Output)?;
         fs::write(out, text).map_err(|e| CliError::Output(format!("{}: cannot be written: {e}", out.display())))?;
     }
+    if let Some(path) = chart {
+        let cannot = |why: String| CliError::Output(format!("{}: {why}", path.display()));
+        let bytes = drawing(&found, path).map_err(|why| cannot(why.to_string()))?;
+        fs::write(path, bytes).map_err(|why| cannot(format!("cannot be written: {why}")))?;
+    }
     // Nobody reading on is no error.
     let _ = std::io::stdout().write_all(text(&found).as_bytes());
     Ok(Outcome::Converged)
+}
+
+/// A chart for every result, in the form that the file's name asks for: by how much each number alone spreads it.
+fn drawing(found: &Uncertainty, path: &Path) -> Result<Vec<u8>, PlotError> {
+    let tolerance = |key: &str| found.tolerances.iter().find(|tolerated| tolerated.key == key);
+    let chart = |spread: &Spread| {
+        let bar = |part: &Contribution| {
+            let Tolerated { key, value, standard_deviation, .. } = tolerance(&part.by)?;
+            let change = part.derivative * standard_deviation;
+            Some(TornadoBar {
+                name: format!("{key} {} ± {}", number(*value), number(*standard_deviation)),
+                lowered: Some(spread.value - change),
+                raised: Some(spread.value + change),
+            })
+        };
+        let caption = format!(
+            "Each number lowered and raised by its standard deviation (the tolerance over √3), to first order; by all together {}.",
+            number(spread.standard_deviation)
+        );
+        let bars = spread.contributions.iter().filter_map(bar).collect();
+        let (title, label) = ("By tolerances".to_owned(), spread.of.clone());
+        Tornado { title, label, centre: spread.value, bars, caption, width: WIDTH }.draw()
+    };
+    let charts = found.results.iter().map(chart).collect::<Result<_, _>>()?;
+    let sheet = Drawing::column(charts, "What tolerances do");
+    let is_png = path.extension().is_some_and(|extension| extension == "png");
+    if is_png { sheet.to_png(2.0) } else { sheet.to_svg().map(String::into_bytes) }
 }
 
 fn text(found: &Uncertainty) -> String {

@@ -14,11 +14,12 @@ use serde::Serialize;
 
 use crate::curve::{self, Curve};
 use crate::design_file::{DesignFile, Extreme, Limit, Points, Target, factor};
+use crate::design_page::Page;
 use crate::designs::{Designs, Setup};
 use crate::history::Tried;
 use crate::identify::in_file;
 use crate::minimise::{Found, Judged, TOLERANCE, Why};
-use crate::search::{MOST, Progress, Search, base};
+use crate::search::{Best, Ended, MOST, Progress, Search, base};
 use crate::variables::{PATH, Variable, find, variables};
 
 /// Points of a centreline that are compared with a curve if nothing is said.
@@ -65,6 +66,8 @@ struct Wanted {
     within: f64,
     weight: f64,
     misses: Vec<Miss>,
+    /// The points that a centreline is compared with.
+    curve: Option<Vec<[f64; 2]>>,
 }
 
 /// A limit: sign · (quantity − end) ≤ 0.
@@ -91,8 +94,10 @@ pub struct DesignProblem {
 pub struct Designed {
     /// Why the search ended.
     pub why: Why,
-    /// Designs that were solved.
+    /// Designs that were solved, from all starts.
     pub solutions: usize,
+    /// What came of every start.
+    pub starts: Vec<Ended>,
     /// The variables.
     pub values: Vec<Value>,
     /// What was wanted.
@@ -110,7 +115,7 @@ pub struct Value {
     pub name: String,
     /// Its value.
     pub value: f64,
-    /// Where the search began.
+    /// Where the first search began.
     pub start: f64,
     /// Whether it is at a bound.
     pub is_at_bound: bool,
@@ -155,6 +160,37 @@ impl Designed {
     pub fn is_good(&self) -> bool {
         let is_done = matches!(self.why, Why::Met | Why::Converged);
         is_done && self.targets.iter().all(Reached::is_met) && self.limits.iter().all(|limit| limit.holds)
+    }
+
+    /// Why the search has ended, in words.
+    pub fn why_in_words(&self) -> String {
+        let broken: Vec<&str> =
+            self.limits.iter().filter(|limit| !limit.holds).map(|limit| limit.name.as_str()).collect();
+        let active = self.limits.iter().filter(|limit| limit.is_active).map(|limit| limit.name.clone());
+        let at_bounds =
+            self.values.iter().filter(|value| value.is_at_bound).map(|value| format!("the bound of {}", value.name));
+        let keeps: Vec<String> = active.chain(at_bounds).collect();
+        let keeps = if keeps.is_empty() {
+            String::new()
+        } else {
+            format!("; what keeps it from being better: {}", keeps.join(", "))
+        };
+        match self.why {
+            Why::Met => "all targets are met".to_owned(),
+            Why::Converged if !broken.is_empty() => {
+                format!("not met: no design near this one holds {}{keeps}", broken.join(", "))
+            }
+            Why::Converged if self.targets.iter().any(|target| !target.is_met()) => {
+                format!("not met: no design near this one comes nearer to the targets{keeps}")
+            }
+            Why::Converged => format!("no design near this one is better{keeps}"),
+            Why::NoDescent => {
+                format!("not converged: no step makes it better, however short; another start may help{keeps}")
+            }
+            Why::Enough => {
+                format!("not converged after {} solutions: `solutions` allows more, --resume goes on", self.solutions)
+            }
+        }
     }
 }
 
@@ -279,7 +315,9 @@ impl DesignProblem {
             }
         };
         let most = file.case.solutions.map_or(MOST, |solutions| solutions as usize);
-        let (found, last, folder) = Search::open(designs, folder, &judge, listener)?.run(most)?;
+        let starts = file.case.starts.map_or(1, |starts| starts as usize);
+        let best = Search::open(designs, folder, &judge, listener)?.run(most, starts)?;
+        let Best { found, tried: last, starts, designs, folder } = best;
         let is_at_bound = |number: usize| {
             let [low, high] = variables[number].bounds;
             (found.values[number] - low).min(high - found.values[number]) <= 1e-6 * (high - low)
@@ -294,7 +332,8 @@ impl DesignProblem {
             |(name, quantity, _): &(String, Quantity, f64)| (name.clone(), quantity.of(&found.values, &last).0);
         let designed = Designed {
             why: found.why,
-            solutions: found.tried,
+            solutions: starts.iter().map(|start| start.solutions).sum(),
+            starts,
             values: (0..count).map(value).collect(),
             targets: targets.iter().map(|target| target.reached(&found.values, &last)).collect(),
             extremes: extremes.iter().map(extreme).collect(),
@@ -302,6 +341,16 @@ impl DesignProblem {
         };
         let text = json::pretty(&designed).map_err(|why| ResultsError::not_representable(DESIGNED, why))?;
         folder.write(DESIGNED, text)?;
+        let rounds: Vec<&Tried> = designs.iter().filter(|tried| tried.outside.is_none()).collect();
+        let of_round = |round: &&Tried| {
+            let reached = targets.iter().map(|target| target.reached(&round.values, round)).collect();
+            (judge(&round.values, round).objective(), reached)
+        };
+        let reached: Vec<(f64, Vec<Reached>)> = rounds.iter().map(of_round).collect();
+        let wanted: Vec<Vec<[f64; 2]>> = targets.iter().filter_map(|target| target.curve.clone()).collect();
+        let names = [&*file.stem(), &*file.case.case];
+        Page { names, variables: &variables, rounds: &rounds, reached: &reached, wanted: &wanted }
+            .write(&designed, &folder)?;
         Ok(designed)
     }
 }
@@ -324,6 +373,7 @@ impl Target {
             within,
             weight,
             misses,
+            curve: None,
         };
         if let (Some(result), Some(value)) = (&self.result, self.value) {
             let miss = Miss { quantity: quantity(result, at), wanted: value, factor: weight / within };
@@ -343,7 +393,8 @@ impl Target {
                 misses.push(Miss { quantity, wanted, factor: weight / within / (count as f64).sqrt() });
             }
         }
-        Ok(wanted("centreline", None, misses))
+        let points = (0..=count).map(|point| curve.at(point as f64 / count as f64)).collect();
+        Ok(Wanted { curve: Some(points), ..wanted("centreline", None, misses) })
     }
 }
 

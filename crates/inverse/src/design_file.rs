@@ -3,9 +3,11 @@
 use pneuflex::document::Document;
 use pneuflex::model::CaseError;
 use pneuflex_sweep::node::Node;
+use pneuflex_sweep::space::MOST_SOBOL_KEYS;
 use serde::Deserialize;
 
 use crate::identify::wrong_solutions;
+use crate::starts::MOST_STARTS;
 use crate::variables::{find, variables};
 
 /// What a file of a design says.
@@ -14,9 +16,12 @@ use crate::variables::{find, variables};
 pub(crate) struct DesignFile {
     /// Case or model file, beside this file.
     pub(crate) case: String,
-    /// Solutions at the most.
+    /// Solutions at the most, from each start.
     #[serde(default)]
     pub(crate) solutions: Option<i64>,
+    /// How often the search begins, each time somewhere else.
+    #[serde(default)]
+    pub(crate) starts: Option<i64>,
     /// Keys that all designs have in common.
     #[serde(default)]
     pub(crate) set: Node,
@@ -86,6 +91,15 @@ impl Document for DesignFile {
     fn problems(&self) -> Vec<CaseError> {
         let mut found = variables(&self.variables).err().unwrap_or_default();
         found.extend(wrong_solutions(self.solutions));
+        if let Some(starts) = self.starts.filter(|starts| !(1..=MOST_STARTS).contains(starts)) {
+            let allowed = format!("must be a whole number from 1 to {MOST_STARTS}");
+            found.push(CaseError { key: "starts".into(), value: starts.to_string(), allowed });
+        }
+        let count = variables(&self.variables).map_or(0, |variables| variables.len());
+        if self.starts.is_some_and(|starts| starts > 1) && count > MOST_SOBOL_KEYS {
+            let allowed = format!("must be 1 for more than {MOST_SOBOL_KEYS} variables");
+            found.push(CaseError { key: "starts".into(), value: format!("{:?}", self.starts), allowed });
+        }
         let mut refuse = |key: String, value: String, allowed: &str| {
             found.push(CaseError { key, value, allowed: allowed.to_owned() });
         };

@@ -77,6 +77,10 @@ impl Designs {
                 let allowed = "the value in the case must be between the bounds, or start be said";
                 return Err(refused(value.to_string(), allowed));
             }
+            if variable.keys.len() > 1 {
+                // One by one they may have no derivatives: a wall of one chamber alone is another lattice.
+                analysis.number(&variable.key())?;
+            }
             start.push(value);
         }
         analysis.check_gradients(&setup.requests)?;
@@ -147,7 +151,8 @@ impl Designs {
             return Err(InputError::new("the load has a limit below what is asked for").into());
         }
         tried.has_started_from_last = solution.has_started_from;
-        let keys: Vec<String> = self.setup.variables.iter().flat_map(|variable| variable.keys.clone()).collect();
+        tried.line = solution.states.last().map(|state| state.centreline.clone()).unwrap_or_default();
+        let keys: Vec<String> = self.setup.variables.iter().map(Variable::key).collect();
         let gradients = analysis.gradients(&solution.fields, &self.setup.requests, Some(&keys))?;
         self.last = solution.neighbour.take().map(|neighbour| (values.to_vec(), neighbour));
         Ok(gradients)
@@ -160,10 +165,10 @@ impl Designs {
     }
 }
 
-/// The derivative of a result by a variable: the sum of those by its keys.
+/// The derivative of a result by a variable.
 fn by(gradient: &Gradient, variable: &Variable) -> f64 {
-    let of_key = |key: &String| gradient.derivatives.iter().find(|derivative| derivative.by == *key);
-    variable.keys.iter().filter_map(of_key).map(|derivative| derivative.derivative).sum()
+    let key = variable.key();
+    gradient.derivatives.iter().find(|derivative| derivative.by == key).map_or(0.0, |derivative| derivative.derivative)
 }
 
 /// The change that asks for results at some positions.

@@ -18,8 +18,18 @@ pub struct Tried {
     pub outside: Option<String>,
     /// Whether the guesses of its load steps came from the design before.
     pub has_started_from_last: bool,
+    /// The bottom centreline in the last state, \[x, z\] in mm from the clamp to the tip; empty for a body without one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub line: Vec<[f64; 2]>,
     /// Seconds that it took.
     pub seconds: f64,
+    /// The start, from 1, from which the search came to it.
+    #[serde(default = "first")]
+    pub start: usize,
+}
+
+fn first() -> usize {
+    1
 }
 
 /// The designs of a search.

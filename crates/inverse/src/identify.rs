@@ -16,7 +16,7 @@ use crate::designs::{Designs, Setup};
 use crate::history::Tried;
 use crate::measurements::{self, Measured};
 use crate::minimise::{Found, Judged, Why};
-use crate::search::{MOST, Progress, Search, base};
+use crate::search::{Best, MOST, Progress, Search, base};
 use crate::variables::{Variable, variables};
 
 /// Variables nearer to a bound than this share of the way between their bounds are at it.
@@ -230,7 +230,7 @@ impl Identification {
             }
         };
         let most = file.case.solutions.map_or(MOST, |solutions| solutions as usize);
-        let (found, _, folder) = Search::open(designs, folder, &judge, listener)?.run(most)?;
+        let Best { found, folder, .. } = Search::open(designs, folder, &judge, listener)?.run(most, 1)?;
         let columns = columns.into_iter().map(|name| {
             let rows: Vec<usize> = (0..measured.len()).filter(|row| measured[*row].column == name).collect();
             let squares = rows.iter().map(|row| (found.judged.residuals[*row] * deviations[*row]).powi(2));

@@ -24,7 +24,7 @@ const SEED: u64 = 0;
 /// A tolerance of a number: `KEY=0.1` in the unit of the key, or `KEY=10%` of its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
-    /// The key.
+    /// The key; several with `+` between them are off together.
     pub key: String,
     half_width: f64,
     is_percentage: bool,
@@ -60,7 +60,8 @@ impl Tolerance {
             return Err(InputError::new(what).of_key(&self.key).into());
         }
         let bounds = [value - half_width, value + half_width];
-        Ok(Variable { name: self.key.clone(), keys: vec![self.key.clone()], start: None, bounds })
+        let keys = self.key.split('+').map(|key| key.trim().to_owned()).collect();
+        Ok(Variable { name: self.key.clone(), keys, start: None, bounds })
     }
 }
 
@@ -113,6 +114,8 @@ pub struct Spread {
 pub struct Contribution {
     /// Its key.
     pub by: String,
+    /// Change of the result per unit of the key.
+    pub derivative: f64,
     /// The standard deviation of the result if it alone were uncertain.
     pub standard_deviation: f64,
     /// Its share of the variance, 0 to 1.
@@ -198,12 +201,15 @@ impl Tolerances {
                 .collect();
             let variance: f64 = parts.iter().map(|part| part * part).sum();
             let share = |part: f64| if variance > 0.0 { part * part / variance } else { 0.0 };
-            let part = |(variable, part): (&Variable, &f64)| Contribution {
+            let slopes = &found.derivatives[number];
+            let part = |(variable, (part, slope)): (&Variable, (&f64, &f64))| Contribution {
                 by: variable.name.clone(),
+                derivative: *slope,
                 standard_deviation: *part,
                 share: share(*part),
             };
-            let mut contributions: Vec<Contribution> = variables.iter().zip(&parts).map(part).collect();
+            let mut contributions: Vec<Contribution> =
+                variables.iter().zip(parts.iter().zip(slopes)).map(part).collect();
             contributions.sort_by(|a, b| b.share.total_cmp(&a.share));
             let values: Vec<f64> = samples.iter().map(|results| results[number]).collect();
             Spread {

@@ -21,6 +21,11 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// The key by which results are differentiated: of several keys one that stands for all of them.
+    pub fn key(&self) -> String {
+        self.keys.join("+")
+    }
+
     /// Its keys with a value, as changes in TOML.
     pub fn changes(&self, value: f64) -> impl Iterator<Item = (String, String)> + '_ {
         // With a full stop, as a float of TOML.

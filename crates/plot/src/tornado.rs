@@ -54,6 +54,8 @@ impl Tornado {
         if !width.is_finite() || width < 60.0 {
             return Err(PlotError::NotDrawable { what: format!("a chart {} px wide", self.width) });
         }
+        // Enough to tell the ends of bars apart.
+        let decimals = (3.0 - (axis.high - axis.low).log10()).clamp(1.0, 9.0) as usize;
         // Room for the numbers at the ends of the bars.
         let room = 44.0 / width * (axis.high - axis.low);
         (axis.low, axis.high) = (axis.low - room, axis.high + room);
@@ -91,7 +93,7 @@ impl Tornado {
                 let there: Vec<f64> =
                     ends(bar).into_iter().flatten().filter(|v| side * (v - self.centre) >= 0.0).collect();
                 let Some(&outer) = there.iter().max_by(|a, b| (side * **a).total_cmp(&(side * **b))) else { continue };
-                let texts: Vec<String> = there.iter().map(|v| format!("{v:.1}")).collect();
+                let texts: Vec<String> = there.iter().map(|v| format!("{v:.decimals$}")).collect();
                 let text = texts.join(" / ");
                 let anchor = if side < 0.0 { Anchor::End } else { Anchor::Start };
                 let x = area.to([outer, 0.0])[0] + 5.0 * side;
@@ -110,7 +112,7 @@ impl Tornado {
             drawing.text(text, [x + TEXT + 6.0, top - 10.0], TEXT, Anchor::Start);
             x += text_width(text, TEXT) + 48.0;
         }
-        let text = format!("as it is: {:.1}", self.centre);
+        let text = format!("as it is: {:.decimals$}", self.centre);
         drawing.text(&text, [x, top - 10.0], TEXT, Anchor::Start);
         for (i, line) in caption.iter().enumerate() {
             let y = bottom + below + (i + 1) as f64 * (SMALL + 5.0);
@@ -142,5 +144,8 @@ mod tests {
         let svg = tornado.draw().unwrap().to_svg().unwrap();
         assert!(svg.find(">long<") < svg.find(">short<"));
         assert!(svg.contains(">99.0<") && svg.contains("not solved"));
+        let bars = vec![bar("fine", Some(0.0213), Some(0.0287))];
+        let svg = Tornado { centre: 0.025, bars, ..tornado }.draw().unwrap().to_svg().unwrap();
+        assert!(svg.contains(">0.0213<") && svg.contains(">0.0287<"), "{svg}");
     }
 }

@@ -22,11 +22,12 @@ pub const CASE_MARK: &str = "# pneuflex";
 
 /// The files of a run besides its fields, but `case.toml`, which stays until it is replaced: by it the folder is known as ours, even after
 /// a kill in between.
-const RESULTS: [&str; 11] = [
+const RESULTS: [&str; 12] = [
     "summary.json",
     "history.jsonl",
     "checkpoint.bin",
     GRADIENTS,
+    SHAPE_GRADIENTS,
     COMPARISON,
     COMPARISON_PICTURE,
     ROUNDS,
@@ -47,6 +48,9 @@ pub const IDENTIFIED: &str = "identified.json";
 
 /// File of the derivatives of results.
 pub const GRADIENTS: &str = "gradients.json";
+
+/// File of the derivatives of results by the positions of nodes.
+pub const SHAPE_GRADIENTS: &str = "shape_gradients.vtu";
 
 /// File of differences from measurements, and its picture.
 pub const COMPARISON: &str = "comparison.json";

@@ -319,7 +319,7 @@ fn one_chamber_is_changed_by_its_number() {
     for (key, value, words) in [
         ("actuator.gap[4]", "1", "actuator.gap[4] cannot be set: actuator.gap has entries from 1 to 3"),
         ("actuator.gap[0]", "1", "entries from 1 to 3"),
-        ("actuator.width[1]", "1", "`actuator.width[1]` is not a key"),
+        ("actuator.width[1]", "1", "actuator.width[1] cannot be set: actuator.width is no list"),
         ("actuator.gap[3]", "-1", "actuator.gap[3] = -1 is out of range: must be at least 0 mm"),
         ("actuator.gap[3]", "wide", "actuator.gap[3]: wrong type: string \"wide\", expected a number"),
         (
@@ -347,6 +347,51 @@ fn one_chamber_is_changed_by_its_number() {
     study.set("actuator.side_wall[4]", "1.5").unwrap();
     assert_eq!(study.model().unwrap().actuator.as_ref().unwrap().side_wall, [1.0, 1.0, 1.0, 1.5].into());
     assert!(study.set("load.chamber_factor[1]", "0.5").is_err());
+}
+
+/// Numbers in one of several tables, by the table's number or name, along an axis, and entries of lists; in the file and in what was set.
+#[test]
+fn what_stands_in_one_of_several_tables_is_set_by_its_number_or_name() {
+    let text = file(
+        "[load]\npressure_kpa = [1, 2]\n[[obstacle]]\nname = \"table\"\nshape = \"plane\"\npoint = [0, 0, -3]\nnormal = [0, 0, 1]\n\
+         [[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncentre = [60, 0, -30]\nradius = 5\n",
+    );
+    let set = |changes: &[(&str, &str)]| {
+        let mut study = Study::from_text("finger.toml", &text).unwrap();
+        study.set_all(changes.iter().map(|&(key, value)| Change::new(key, value)))?;
+        Ok::<_, Error>(study)
+    };
+    let changes = [
+        ("obstacle[0].point.z", "-4"),
+        ("obstacle.ball.radius", "6"),
+        ("obstacle[1].centre[1]", "61"),
+        ("load.pressure_kpa[2]", "3"),
+    ];
+    for order in [[0, 1, 2, 3], [3, 1, 2, 0]] {
+        let study = set(&order.map(|i| changes[i])).unwrap();
+        let case = study.case().unwrap();
+        assert_eq!(case.obstacles[0].point, Some([0.0, 0.0, -4.0]));
+        assert_eq!((case.obstacles[1].radius, case.obstacles[1].centre), (Some(6.0), Some([61.0, 0.0, -30.0])));
+        assert_eq!(case.load.pressure_kpa, [1.0, 3.0]);
+    }
+    // A key that the table does not have yet.
+    let study = set(&[("obstacle.table.stiffness", "2")]).unwrap();
+    assert_eq!(study.case().unwrap().obstacles[0].stiffness, Some(2.0));
+    for (key, value, words) in [
+        ("obstacle[2].radius", "1", "obstacle[2].radius cannot be set: obstacle has entries from 0 to 1"),
+        ("obstacle.box.radius", "1", "no entry with the name \"box\": there are table, ball"),
+        ("obstacle[0].point.w", "1", "obstacle[0].point has x, y and z"),
+        ("obstacle[0].centre.x", "1", "obstacle[0].centre is not given"),
+        ("obstacle[1].radius", "-1", "obstacle[1].radius = -1 is out of range"),
+        ("obstacle[1].radius", "wide", "obstacle[1].radius: wrong type: string \"wide\", expected a number"),
+        ("obstacle[1].raduis", "1", "unknown key `obstacle[1].raduis`"),
+        ("obstacle[1].centre.z", "nan", "obstacle[1].centre"),
+        ("region[0].material.c10", "1", "region[0].material.c10 cannot be set: region is not given"),
+    ] {
+        let Err(Error::Input(errors)) = set(&[(key, value)]) else { panic!("{key}={value} was taken") };
+        let said = errors[0].to_string();
+        assert!(said.contains(words) && errors[0].key().is_some(), "{key}={value}: {said}");
+    }
 }
 
 /// Pressures of single chambers where these have air of their own; refused, with the remedy, where a channel joins them.

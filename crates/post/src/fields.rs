@@ -22,12 +22,12 @@ pub fn body(problem: &Problem, stress: &StressField, state: &SurfaceState<'_>) -
     let SurfaceState { displacement, parameter: LoadParameter(time), .. } = *state;
     check("displacement", displacement.as_flattened(), problem.num_dofs())?;
     let nodal = surface_stress::nodal(problem, stress, state);
-    let mut grid = at_rest(problem, time);
-    grid.point_data = vec![
+    let fields = vec![
         Field::vector("displacement", displacement.as_flattened().to_vec()),
         Field::scalar("von_mises", nodal.iter().map(|s| von_mises(*s)).collect()),
         Field::symmetric_tensor("cauchy_stress", nodal.as_flattened().to_vec()),
     ];
+    let mut grid = at_rest(problem, time, fields);
     grid.cell_data = vec![Field::scalar("pressure", stress.element_pressures())];
     Ok(grid)
 }
@@ -56,15 +56,13 @@ pub fn points(stress: &StressField, time: f64) -> Grid {
 /// A motion of the wrong length or with a number that is not finite.
 pub fn mode(problem: &Problem, mode: &[[f64; 3]], time: f64) -> Result<Grid, PostError> {
     check("mode", mode.as_flattened(), problem.num_dofs())?;
-    let mut grid = at_rest(problem, time);
-    grid.point_data = vec![Field::vector("mode", mode.as_flattened().to_vec())];
-    Ok(grid)
+    Ok(at_rest(problem, time, vec![Field::vector("mode", mode.as_flattened().to_vec())]))
 }
 
-/// The elements of the body in its reference position.
-fn at_rest(problem: &Problem, time: f64) -> Grid {
+/// The elements of the body in its reference position, with fields at the nodes.
+pub fn at_rest(problem: &Problem, time: f64, point_data: Vec<Field>) -> Grid {
     let mesh = &problem.mesh;
-    let mut grid = Grid { points: mesh.nodes.clone(), time, ..Grid::default() };
+    let mut grid = Grid { points: mesh.nodes.clone(), point_data, time, ..Grid::default() };
     for element in 0..mesh.num_elements() {
         grid.push_cell(mesh.kind_of(element).vtk_cell_type, mesh.element(element).iter().copied());
     }

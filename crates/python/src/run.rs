@@ -335,6 +335,15 @@ impl Outcome {
         })
     }
 
+    /// Results of its states and their exact derivatives by the positions of all nodes at rest, three numbers for each.
+    fn shape_gradients(&self, py: Python<'_>, results: Vec<String>) -> PyResult<(Vec<f64>, Vec<Vec<f64>>)> {
+        apart(py, || {
+            let states: Vec<_> = self.states.iter().map(|kept| kept.equilibrium.clone()).collect();
+            let found = self.analysis.shape_gradients(&states, &requests(&results)?)?;
+            Ok(found.into_iter().map(|shape| (shape.value, shape.by_node.into_flattened())).unzip())
+        })
+    }
+
     /// Newton iterations, rejected attempts included.
     #[getter]
     fn iterations(&self) -> usize {

@@ -212,6 +212,11 @@ impl Analysis {
         self.analysis.requested.iter().map(|at| at.0).collect()
     }
 
+    /// Refuses results without derivatives by the positions of nodes.
+    fn check_shape_gradients(&self, py: Python<'_>, results: Vec<String>) -> PyResult<()> {
+        apart(py, || self.analysis.check_shape_gradients(&requests(&results)?))
+    }
+
     /// Refuses results and keys of which there are no derivatives, before anything is solved.
     fn check_gradients(&self, py: Python<'_>, results: Vec<String>, keys: Vec<String>) -> PyResult<()> {
         apart(py, || {

@@ -412,6 +412,18 @@ def test_values_come_with_their_derivatives() -> None:
         case.value_and_grad("end_face_angle", keys)
 
 
+def test_derivatives_by_nodes_add_up_to_those_by_lengths() -> None:
+    case = small_case().set({"load.pressure_kpa": [4]})
+    (angle,), (slopes,) = case.value_and_shape_grad(["end_face_angle"])
+    (value,), ((slope,),) = case.value_and_grad(["end_face_angle"], ["actuator.top_wall"])
+    assert abs(angle - value) < 1e-9
+    nodes = [case.copy().set({"actuator.top_wall": wall, "load.pressure_kpa": [1]}).solve()[-1].points for wall in (0.99, 1.01)]
+    assert slopes.shape == nodes[0].shape
+    assert abs(np.sum(slopes * (nodes[1] - nodes[0])) / 0.02 / slope - 1) < 1e-6
+    with pytest.raises(InputError, match="not differentiated by nodes"):
+        case.value_and_shape_grad(["von_mises_norm[12]"])
+
+
 def test_scipy_minimises_with_them() -> None:
     optimize = pytest.importorskip("scipy.optimize")
     case = small_case().set({"load.pressure_kpa": [4]})

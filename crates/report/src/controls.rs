@@ -61,6 +61,11 @@ pub(crate) fn transport(report: &Report<'_>) -> Markup {
         Clock::Pressure => "Air pressure in kPa",
         Clock::Steps => "Time",
     };
+    slider(label)
+}
+
+/// Play button, slider and readout.
+pub(crate) fn slider(label: &str) -> Markup {
     html! {
         div .transport {
             button #play .icon type="button" aria-label="Play" title="Play (space)" { (PreEscaped(PLAY)) }

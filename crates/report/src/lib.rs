@@ -11,7 +11,7 @@
 //! * [`curves`], [`series`]: what is plotted against pressure or time; [`results`]: the same numbers and more as a table;
 //!   [`sensitivity`]: what changes one of them most; [`comparison`]: how they differ from measurements.
 //! * [`quantise`]: lists of numbers as text with a known error.
-//! * [`setup`]: the page of what would be solved, before it is.
+//! * [`setup`]: the page of what would be solved, before it is; [`rounds`]: that of a search for a design.
 //! * [`page`], [`tables`], [`inputs`], [`assets`]: the page and what it is made of.
 //!
 //! Units: mm, MPa, pressures in kPa. In the browser, the modules in `assets/js` do the rest; `assets/js/main.js` is the place
@@ -34,6 +34,7 @@ mod quantities;
 pub mod regions;
 mod report;
 pub mod results;
+pub mod rounds;
 pub mod sensitivity;
 pub mod series;
 pub mod setup;

@@ -15,7 +15,8 @@ use crate::tables::{exactness, inputs, notices, status_text};
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; \
                       base-uri 'none'; form-action 'none'";
 
-const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3a9 9 0 1 0 0 18zm0-1a10 10 0 1 1 0 20 10 10 0 0 1 0-20z"/></svg>"#;
+/// The button between light and dark.
+pub(crate) const MOON: &str = r#"<svg viewBox="0 0 24 24" aria-hidden="true"><path d="M12 3a9 9 0 1 0 0 18zm0-1a10 10 0 1 1 0 20 10 10 0 0 1 0-20z"/></svg>"#;
 
 /// The whole text of the page; `data` is the JSON that the modules read.
 pub fn html(report: &Report<'_>, data: &str) -> String {

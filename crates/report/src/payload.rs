@@ -29,12 +29,18 @@ struct Payload<'a> {
 
 /// What the slider stands for.
 #[derive(Serialize)]
-struct ClockData<'a> {
-    name: &'static str,
-    unit: &'static str,
+pub(crate) struct ClockData<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    /// What is at zero, in words; the body at rest if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) rest: Option<&'static str>,
+    /// Decimals between the series' times; as many as these need if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) decimals: Option<usize>,
     /// The parameter at the series' times, where it turned back.
     #[serde(skip_serializing_if = "Option::is_none")]
-    parameters: Option<&'a [f64]>,
+    pub(crate) parameters: Option<&'a [f64]>,
 }
 
 /// Elements of one family.
@@ -111,7 +117,7 @@ pub fn of(report: &Report<'_>, series: &Series) -> Result<String, ReportError> {
     let body = drawing.as_ref().zip(report.states).map(|(drawing, states)| drawing.data(report, states, series));
     let body = body.transpose()?;
     let parameters = series.parameters.as_deref();
-    let clock = ClockData { name: report.parameter(), unit: report.unit(), parameters };
+    let clock = ClockData { name: report.parameter(), unit: report.unit(), rest: None, decimals: None, parameters };
     let payload = Payload { title: report.title, clock, series, body };
     let text = serde_json::to_string(&payload).map_err(|e| ReportError::Json(e.to_string()))?;
     Ok(for_script(&text))

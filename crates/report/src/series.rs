@@ -73,9 +73,16 @@ pub fn of(report: &Report<'_>) -> Result<Series, ReportError> {
     let places = rows.0.iter().map(|row| row.place).collect();
     let centrelines = collect.centrelines()?;
     let series = Series { times, places, parameters, on_the_way, centrelines, key_numbers, plots, more };
-    let of_plots = series.plots.iter().chain(&series.key_numbers).chain(&series.more).flat_map(Plot::numbers);
-    let of_lines = series.centrelines.iter().flatten().flatten().flatten().copied();
-    if of_plots.chain(of_lines).all(f64::is_finite) { Ok(series) } else { not_finite() }
+    if series.is_finite() { Ok(series) } else { not_finite() }
+}
+
+impl Series {
+    /// Whether all numbers of the plots and lines are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let of_plots = self.plots.iter().chain(&self.key_numbers).chain(&self.more).flat_map(Plot::numbers);
+        let of_lines = self.centrelines.iter().flatten().flatten().flatten().copied();
+        of_plots.chain(of_lines).all(f64::is_finite)
+    }
 }
 
 /// Increasing numbers for values that rise from zero and then turn back: the values themselves up to where they do, from there on steps of

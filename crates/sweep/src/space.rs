@@ -79,13 +79,15 @@ pub fn latin_hypercube(space: &Space, count: usize, seed: u64) -> Vec<Design> {
 
 /// The first points of a scrambled Sobol sequence; a larger count has the designs of a smaller one first.
 pub fn sobol(space: &Space, count: usize, seed: u64) -> Vec<Design> {
+    sobol_points(space.len(), count, seed).iter().map(|point| design(space, point)).collect()
+}
+
+/// The same in the unit cube of so many dimensions, of which there may be [`MOST_SOBOL_KEYS`].
+pub fn sobol_points(dimensions: usize, count: usize, seed: u64) -> Vec<Vec<f64>> {
     // Both halves of the seed count.
     let seed = (seed ^ (seed >> 32)) as u32;
-    let point = |i: usize| {
-        let coordinate = |dimension: usize| f64::from(sobol_burley::sample(i as u32, dimension as u32, seed));
-        (0..space.len()).map(coordinate).collect::<Vec<f64>>()
-    };
-    (0..count).map(|i| design(space, &point(i))).collect()
+    let coordinate = |i: usize, dimension: usize| f64::from(sobol_burley::sample(i as u32, dimension as u32, seed));
+    (0..count).map(|i| (0..dimensions).map(|dimension| coordinate(i, dimension)).collect()).collect()
 }
 
 /// A point of the unit cube as a design.

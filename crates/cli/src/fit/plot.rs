@@ -23,16 +23,7 @@ pub fn draw(tests: &[Prepared], fits: &[LawFit], largest_i1_minus_3: f64) -> Res
     for mode in Mode::ALL {
         charts.push(chart(tests, fits, mode, largest_i1_minus_3)?.draw()?);
     }
-    let width = charts.iter().map(|c| c.width).fold(0.0, f64::max);
-    let height = charts.iter().map(|c| c.height).sum();
-    let mut sheet = Drawing::new(width, height, "Laws fitted to material tests");
-    let mut top = 0.0;
-    for chart in charts {
-        let height = chart.height;
-        sheet.place(chart, [0.0, top]);
-        top += height;
-    }
-    Ok(sheet)
+    Ok(Drawing::column(charts, "Laws fitted to material tests"))
 }
 
 fn chart(tests: &[Prepared], fits: &[LawFit], mode: Mode, largest_i1_minus_3: f64) -> Result<Chart, PlotError> {

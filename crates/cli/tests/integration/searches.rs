@@ -187,6 +187,49 @@ fn an_extreme_ends_at_its_limits() {
     assert_eq!(found["limits"][1]["is_active"], true);
 }
 
+/// Two starts of which neither gets there, by a variable of a table that is called by its name; gone on with, nothing is solved again.
+#[test]
+fn a_search_begins_as_often_as_is_asked_for_and_keeps_the_best_end() {
+    let plane = "[[obstacle]]\nname = \"table\"\nshape = \"plane\"\npoint = [0, 0, -0.1]\nnormal = [0, 0, 1]\n";
+    let goal = "[[target]]\nresult = \"force\"\nat = 4\nvalue = 9\nwithin = 1\n";
+    let scratch = wanted("design-starts", goal);
+    let case = fs::read_to_string(scratch.path("case.toml")).unwrap();
+    fs::write(scratch.path("case.toml"), format!("{case}\n{plane}")).unwrap();
+    let text = fs::read_to_string(scratch.path("goal.toml")).unwrap();
+    let (head, tail) = text.split_once("\"actuator.base\"").unwrap();
+    let (_, tail) = tail.split_once('\n').unwrap();
+    let place = "\"obstacle.table.point.z\" = { from = -0.12, to = -0.04 }\n";
+    fs::write(scratch.path("goal.toml"), format!("starts = 2\nsolutions = 2\n{head}{place}{tail}")).unwrap();
+    let ended = scratch.run(&["design", "goal.toml"]);
+    assert_eq!(ended.code, 3, "{ended:?}");
+    for words in ["start 1 of 2, solution 1: ", "start 2 of 2, solution 3: "] {
+        assert!(ended.err.contains(words), "{words}: {ended:?}");
+    }
+    assert!(ended.out.contains("start 2: objective ") && ended.out.matches(", the best").count() == 1, "{ended:?}");
+    let found = json(&scratch, "out/goal/designed.json");
+    let objective = |start: usize| found["starts"][start]["objective"].as_f64().unwrap();
+    let best = found["starts"].as_array().unwrap().iter().position(|start| start["is_best"] == true).unwrap();
+    assert!(objective(best) <= objective(1 - best), "{found}");
+    let written = fs::read_to_string(scratch.path("out/goal/case.toml")).unwrap();
+    assert!(written.contains(&format!("{}", found["values"][0]["value"])), "{written}");
+    let page = fs::read_to_string(scratch.path("out/goal/report.html")).unwrap();
+    assert!(page.contains("Why it ended: not converged after 4 solutions") && page.contains("obstacle.table.point.z"));
+    let again = scratch.run(&["design", "goal.toml", "--resume"]);
+    assert_eq!(again.err.matches("(known)").count(), 4, "{again:?}");
+    assert_eq!(json(&scratch, "out/goal/designed.json"), found);
+    let text = fs::read_to_string(scratch.path("goal.toml")).unwrap();
+    for (from, to, words) in [
+        ("starts = 2", "starts = 0", "starts = 0 is out of range: must be a whole number from 1 to 100"),
+        ("obstacle.table.", "obstacle.tabel.", "obstacle has no entry with the name \"tabel\": there are table"),
+        ("obstacle.table.point.z", "obstacle[1].radius", "obstacle has entries from 0 to 0"),
+    ] {
+        fs::write(scratch.path("bad.toml"), text.replacen(from, to, 1)).unwrap();
+        let ended = scratch.run(&["design", "bad.toml", "--out", "bad"]);
+        assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{to}: {ended:?}");
+        assert!(ended.err.contains(words), "{to}: {}", ended.err);
+    }
+}
+
 #[test]
 fn what_cannot_be_reached_is_said_and_bad_files_are_refused() {
     let goal = "[[target]]\nresult = \"end_face_angle\"\nat = 4\nvalue = 60\nwithin = 1\n";

@@ -163,6 +163,19 @@ impl Drawing {
         self.shapes.push(Shape::Image { at, size, image });
     }
 
+    /// Drawings under each other.
+    pub fn column(drawings: Vec<Self>, title: &str) -> Self {
+        let width = drawings.iter().map(|drawing| drawing.width).fold(0.0, f64::max);
+        let mut sheet = Self::new(width, drawings.iter().map(|drawing| drawing.height).sum(), title);
+        let mut top = 0.0;
+        for drawing in drawings {
+            let height = drawing.height;
+            sheet.place(drawing, [0.0, top]);
+            top += height;
+        }
+        sheet
+    }
+
     /// Adds another drawing with its upper left corner at `at`.
     pub fn place(&mut self, other: Self, at: [f64; 2]) {
         let moved = |p: [f64; 2]| [p[0] + at[0], p[1] + at[1]];

@@ -6,8 +6,9 @@
 //! Changes are TOML themselves. Each is parsed behind as many blanks as the texts before it have bytes, so that every
 //! span of the merged document is a place in exactly one of the texts.
 
-mod entry;
+pub(crate) mod place;
 mod repair;
+mod sources;
 mod suggest;
 
 use std::fmt;
@@ -21,9 +22,10 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::input_error::{InputError, InputErrorKind, Origin, Place};
+use crate::input_error::{InputError, InputErrorKind, Origin};
 use crate::store::Store;
 use repair::{Repair, Repairs};
+use sources::{Key, Sources, Text, collect, place_of, value_of};
 
 /// Problems of a file that are said at the most.
 const MOST_PROBLEMS: usize = 30;
@@ -55,7 +57,8 @@ pub type CaseFile = Written<Case>;
 /// Another value for a key of a case or model file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// The key, e.g. `actuator.gap`, or `actuator.gap[3]` for one entry, from 1, of what may be given for every chamber.
+    /// The key, e.g. `actuator.gap`; `actuator.gap[3]` for one entry, from 1, of a list of numbers, or of what may be given for every chamber;
+    /// `obstacle[0].centre.z` or `obstacle.ball.radius` for a number in one of several tables, from 0 or by its name.
     pub key: String,
     /// The value in TOML; what is no TOML is taken as a text without quotes.
     pub value: String,
@@ -92,32 +95,6 @@ pub struct Written<T> {
     keys: Vec<Key>,
 }
 
-/// The texts a document is made of, as if they stood one after the other.
-#[derive(Clone, Debug)]
-struct Sources {
-    texts: Vec<Text>,
-}
-
-#[derive(Clone, Debug)]
-struct Text {
-    name: String,
-    origin: Origin,
-    start: usize,
-    text: Arc<str>,
-    /// Number of names of the key that a change sets.
-    depth: usize,
-    /// The key of a list and the number of the entry that a change sets, from 1; `None` if it sets the key as a whole.
-    entry: Option<(String, usize)>,
-}
-
-/// Where a key and its value stand.
-#[derive(Clone, Debug)]
-struct Key {
-    path: String,
-    key: Range<usize>,
-    value: Range<usize>,
-}
-
 impl<T: Document> Written<T> {
     /// Reads and checks a case file with changes to it.
     ///
@@ -133,10 +110,10 @@ impl<T: Document> Written<T> {
     /// As there.
     pub fn from_text(path: &Path, text: impl Into<Arc<str>>, changes: &[Change]) -> Result<Self, Vec<InputError>> {
         let name = path.display().to_string();
-        let file = Text { name, origin: Origin::File, start: 0, text: text.into(), depth: 0, entry: None };
+        let file = Text { name, origin: Origin::File, start: 0, text: text.into(), key: String::new() };
         let mut sources = Sources { texts: vec![file] };
         for change in changes {
-            sources.push_change(change)?;
+            sources.push_change(&change.key, &change.value, change.to_string())?;
         }
         let padded: Vec<String> =
             sources.texts[1..].iter().map(|t| format!("{}{}", " ".repeat(t.start), t.parsed())).collect();
@@ -150,14 +127,15 @@ impl<T: Document> Written<T> {
         if changes.iter().any(|change| of_mesh(change).is_some_and(|mesh| mesh.contains_key("resolution"))) {
             make_way_for_resolution(document.get_mut());
         }
+        let given = value_of(&document);
         let (of_entries, of_keys): (Vec<_>, Vec<_>) =
-            changes.into_iter().zip(&sources.texts[1..]).partition(|(_, text)| text.entry.is_some());
+            changes.into_iter().zip(&sources.texts[1..]).partition(|(_, text)| text.is_in_list(given.as_ref()));
         for (change, text) in of_keys {
-            set(document.get_mut(), change, text.depth);
+            set(document.get_mut(), change, place::names(&text.key));
         }
         // Behind the others, whatever their order: an entry is one of the list, and of as many chambers, as they leave.
         for (change, text) in of_entries {
-            text.set_entry(document.get_mut(), change)?;
+            text.set_entry(&mut document, change)?;
         }
         let mut keys = Vec::new();
         collect(document.get_ref(), "", &mut keys);
@@ -221,76 +199,6 @@ fn out_of_range(error: &CaseError, sources: &Sources, keys: &[Key]) -> InputErro
     InputError::new(error.to_string()).of_key(&error.key).at(Some(place_of(&error.key, sources, keys)))
 }
 
-/// Where a key stands; if it is not written out, where the nearest table around it does.
-fn place_of(key: &str, sources: &Sources, keys: &[Key]) -> Place {
-    let mut wanted = key;
-    loop {
-        if let Some(found) = keys.iter().find(|k| k.path == wanted) {
-            return sources.place(found.key.start..found.value.end.max(found.key.end));
-        }
-        match wanted.rfind(['.', '[']) {
-            Some(end) => wanted = &wanted[..end],
-            None => return sources.place(0..0),
-        }
-    }
-}
-
-impl Sources {
-    fn push_change(&mut self, change: &Change) -> Result<(), InputError> {
-        let Change { key, value } = change;
-        // A value that is no TOML is a bare string, as in `mesh.element=hex8-q1p0`.
-        let plain = change.to_string();
-        let quoted = format!("{key}={}", toml::Value::from(value.trim()));
-        let entry = entry::split(key).map(|(list, number)| (list.to_owned(), number));
-        let brackets = entry.as_ref().map(|_| entry::brackets(key));
-        let is_toml = |text: &String| DeTable::parse(&blanked(text, brackets.clone())).is_ok();
-        let text = [plain, quoted].into_iter().find(is_toml);
-        let start = self.texts.last().map_or(0, |t| t.start + t.text.len() + 1);
-        let Some(text) = text.filter(|_| !key.trim().is_empty() && !value.trim().is_empty()) else {
-            let (name, text) = (change.to_string(), Arc::from(change.to_string()));
-            let place = Place::new(&name, Origin::Change, text, 0..key.len());
-            return Err(InputError::new(format!("`{}` is not a key", key.trim())).of_key(key).at(Some(place)));
-        };
-        let depth = names_of(entry.as_ref().map_or(key.as_str(), |(list, _)| list));
-        let name = change.to_string();
-        self.texts.push(Text { name, origin: Origin::Change, start, text: text.into(), depth, entry });
-        Ok(())
-    }
-
-    fn place(&self, span: Range<usize>) -> Place {
-        let index = self.texts.iter().rposition(|t| t.start <= span.start).unwrap_or(0);
-        let Text { name, origin, start, text, .. } = &self.texts[index];
-        Place::new(name, *origin, text.clone(), span.start - start..span.end.max(span.start) - start)
-    }
-}
-
-/// A text with blanks in the place of some of its bytes.
-fn blanked(text: &str, range: Option<Range<usize>>) -> String {
-    let Some(range) = range else { return text.to_owned() };
-    format!("{}{}{}", &text[..range.start], " ".repeat(range.len()), &text[range.end..])
-}
-
-impl Text {
-    /// What of it is TOML: the number of an entry is not.
-    fn parsed(&self) -> String {
-        let brackets = self.entry.as_ref().map(|_| entry::brackets(self.text.split('=').next().unwrap_or_default()));
-        blanked(&self.text, brackets)
-    }
-
-    /// Sets the entry that it is about to the value in `change`.
-    fn set_entry<'a>(&self, document: &mut DeTable<'a>, mut change: DeTable<'a>) -> Result<(), InputError> {
-        let Some((list, number)) = &self.entry else { return Ok(()) };
-        let key = format!("{list}[{number}]");
-        let (table, name) = list.split_once('.').unwrap_or(("", list));
-        let Some(DeValue::Table(mut inner)) = change.remove(table).map(Spanned::into_inner) else { return Ok(()) };
-        let Some(value) = inner.remove(name) else { return Ok(()) };
-        entry::set(document, (list, *number), value).map_err(|why| {
-            let place = Place::new(&self.name, self.origin, self.text.clone(), 0..key.len());
-            InputError::new(format!("{key} cannot be set: {why}")).of_key(&key).at(Some(place))
-        })
-    }
-}
-
 /// Whether a text describes a model rather than an actuator with nothing but air in it: a table `model`, or times instead of
 /// pressures. A text that cannot be read does neither.
 pub fn is_model(text: &str) -> bool {
@@ -333,43 +241,6 @@ fn set<'a>(into: &mut DeTable<'a>, change: DeTable<'a>, names: usize) {
                 into.insert(key, value);
             }
         }
-    }
-}
-
-/// Number of names of a key: 2 of `actuator.gap`.
-fn names_of(key: &str) -> usize {
-    let text = format!("{key}=0");
-    let Ok(table) = DeTable::parse(&text) else { return 1 };
-    let inner = |table: &'_ DeTable<'_>| table.iter().next().is_some_and(|(_, value)| value.get_ref().is_table());
-    let (mut table, mut names) = (table.get_ref(), 1);
-    while inner(table) {
-        let Some(next) = table.iter().next().and_then(|(_, value)| value.get_ref().as_table()) else { break };
-        (table, names) = (next, names + 1);
-    }
-    names
-}
-
-fn collect(table: &DeTable<'_>, prefix: &str, keys: &mut Vec<Key>) {
-    for (key, value) in table {
-        let path = if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
-        collect_value(value, &path, keys);
-        keys.push(Key { path, key: key.span(), value: value.span() });
-    }
-}
-
-fn collect_value(value: &Spanned<DeValue<'_>>, path: &str, keys: &mut Vec<Key>) {
-    match value.get_ref() {
-        DeValue::Table(table) => collect(table, path, keys),
-        DeValue::Array(entries) => {
-            // Chambers and gaps have numbers from 1.
-            let first = usize::from(entry::is_per_chamber(path));
-            for (i, entry) in entries.iter().enumerate() {
-                let path = format!("{path}[{}]", first + i);
-                collect_value(entry, &path, keys);
-                keys.push(Key { path, key: entry.span(), value: entry.span() });
-            }
-        }
-        _ => {}
     }
 }
 

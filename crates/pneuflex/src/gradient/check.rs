@@ -4,8 +4,9 @@ use pneuflex_model::{LoadParameter, Probe, Problem};
 use pneuflex_post::summary::probe_sites;
 
 use super::results::Scalar;
+use super::slopes::extrapolated;
 use super::variants::Variants;
-use super::{Derivative, Request, extrapolated};
+use super::{Derivative, Request};
 use crate::analysis::Analysis;
 use crate::columns::Tip;
 use crate::error::Error;

@@ -18,28 +18,32 @@
 
 mod beside_columns;
 mod check;
+mod request;
 mod results;
+mod shape;
+mod slopes;
+mod solved;
 #[cfg(test)]
 mod tests;
 mod variables;
 mod variants;
 
 use std::cmp::Ordering;
-use std::fmt;
-use std::str::FromStr;
-use std::sync::Arc;
 use std::time::Instant;
 
 use pneuflex_model::{ContactMethod, LoadParameter, Pressure, Problem, StateKind};
-use pneuflex_newton::adjoint::{Frozen, Linearised, Multipliers};
 use pneuflex_newton::{ConvergedState, springs_of};
 use pneuflex_post::summary::StepSummary;
 use rayon::prelude::*;
 use serde::Serialize;
 
 pub use self::check::{Checked, check};
+pub use self::request::Request;
 use self::results::Scalar;
-use self::variables::{Kind, Variable};
+pub use self::shape::{ShapeGradient, write_shape_gradients};
+use self::slopes::Slopes;
+use self::solved::{Solved, no_gradient};
+use self::variables::Variable;
 use self::variants::Variants;
 use crate::analysis::Analysis;
 use crate::columns::Tip;
@@ -50,41 +54,6 @@ use crate::json;
 
 /// Slopes by the positions of the nodes are worth while for so many results by a length: one takes as long as two to three residuals.
 const RESULTS_PER_LENGTH: usize = 2;
-
-/// What is asked for: `COLUMN` or `COLUMN@PRESSURE`, e.g. `end_face_angle@35`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Request {
-    /// A column of [`crate::columns`], with or without its unit, a vector, whose length is meant, `force`, a point of the centreline such as
-    /// `centreline[12.5].z` or `centreline[25%].x`, `silicone_volume` or `silicone_mass`, or a smooth measure: `von_mises_norm[12]`,
-    /// `von_mises_quantile[99%]`, the same of `stretch`, `smallest_gap[0.02]`.
-    pub column: String,
-    /// Pressure in kPa, or time of a model, at which; `None` for the last one that is asked for.
-    pub at: Option<f64>,
-}
-
-impl FromStr for Request {
-    type Err = InputError;
-
-    fn from_str(text: &str) -> Result<Self, InputError> {
-        let Some((column, at)) = text.rsplit_once('@') else {
-            return Ok(Self { column: text.trim().to_owned(), at: None });
-        };
-        let at: Option<f64> = at.trim().parse().ok().filter(|at: &f64| at.is_finite());
-        match at {
-            Some(at) => Ok(Self { column: column.trim().to_owned(), at: Some(at) }),
-            None => Err(InputError::new(format!("{text}: expected RESULT or RESULT@PRESSURE, e.g. end_face_angle@35"))),
-        }
-    }
-}
-
-impl fmt::Display for Request {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.at {
-            Some(at) => write!(f, "{}@{at}", self.column),
-            None => f.write_str(&self.column),
-        }
-    }
-}
 
 /// The derivatives of a result of a state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -213,23 +182,7 @@ impl Analysis {
             return Ok(Vec::new());
         }
         self.check_contact()?;
-        let mut found: Vec<(usize, Gradient)> = Vec::new();
-        let positions: Vec<LoadParameter> =
-            requests.iter().map(|request| self.position(request)).collect::<Result<_, _>>()?;
-        for (first, at) in positions.iter().enumerate().filter(|(i, at)| !positions[..*i].contains(at)) {
-            let of_state: Vec<usize> = (first..requests.len()).filter(|i| positions[*i] == *at).collect();
-            let state = states.iter().find(|state| state.parameter == *at && state.kind.is_requested());
-            let state = state.ok_or_else(|| {
-                let what = format!("{}: the displacements there are not known", requests[first]);
-                let help =
-                    "solve it from rest: what an earlier run has reached is known by its results alone".to_owned();
-                InputError::new(what).with_help(Some(help))
-            })?;
-            let columns: Vec<&str> = of_state.iter().map(|i| requests[*i].column.as_str()).collect();
-            found.extend(of_state.into_iter().zip(self.gradients_at(state, &columns, keys, true)?));
-        }
-        found.sort_by_key(|(number, _)| *number);
-        Ok(found.into_iter().map(|(_, gradient)| gradient).collect())
+        self.by_state(states, requests, |state, columns| self.gradients_at(state, columns, keys, true))
     }
 
     /// The gradients at a state. `by_nodes` lets lengths count by the slopes along the positions of all nodes, where there are any.
@@ -241,24 +194,7 @@ impl Analysis {
         by_nodes: bool,
     ) -> Result<Vec<Gradient>, Error> {
         let began = Instant::now();
-        if state.contact_multipliers.iter().any(|multiplier| *multiplier != 0.0) {
-            let what = "penetration_tolerance: contact carries multipliers, which depend on the way to the state";
-            let help =
-                "give a larger penetration_tolerance and a larger stiffness, so that the penalty alone is enough";
-            return Err(InputError::new(what).with_help(Some(help.to_owned())).into());
-        }
-        let summary = self.describe(state)?.summary;
-        let tip = Tip::of_analysis(self);
-        let scalars = columns.iter().map(|column| Scalar::find(column, (state, &summary), self, &tip));
-        let scalars: Vec<Scalar> = scalars.collect::<Result<_, _>>()?;
-        let failed = |why: String| InputError::new(format!("there is no gradient: {why}"));
-        let linearised = Linearised::at(&self.problem, state).map_err(|cause| failed(cause.to_string()))?;
-        let multipliers = scalars.iter().map(|scalar| {
-            let objective = scalar.objective(&self.problem, linearised.displacement());
-            let objective = objective.map_err(|error| failed(error.to_string()))?;
-            linearised.multipliers(&objective).map_err(|cause| failed(cause.to_string()))
-        });
-        let multipliers: Vec<Multipliers> = multipliers.collect::<Result<_, InputError>>()?;
+        let Solved { summary, scalars, linearised, multipliers } = self.solved(state, columns)?;
         let variants = Variants::of(self)?;
         let at = state.parameter;
         let variables = match keys {
@@ -269,8 +205,7 @@ impl Analysis {
         let lengths = variables.iter().filter(|variable| variants.is_of_shape(variable)).count();
         let by_nodes = by_nodes && multipliers.len() <= RESULTS_PER_LENGTH * lengths;
         let shapes = multipliers.iter().filter(|_| by_nodes).map(|result| linearised.shape_slope(result));
-        let shapes: Vec<Option<Vec<[f64; 3]>>> =
-            shapes.collect::<Result<_, _>>().map_err(|cause| failed(cause.to_string()))?;
+        let shapes: Vec<Option<Vec<[f64; 3]>>> = shapes.collect::<Result<_, _>>().map_err(no_gradient)?;
         let shapes: Option<Vec<Vec<[f64; 3]>>> = shapes.into_iter().collect();
         let by_nodes = shapes.as_deref().filter(|_| by_nodes);
         let (linearised, variants) = (&linearised, &variants);
@@ -286,80 +221,6 @@ impl Analysis {
         let gradient = |number: usize| gradient(&scalars[number], number, &summary, &variables, &found, seconds);
         Ok((0..scalars.len()).map(gradient).collect())
     }
-}
-
-/// What the derivatives at a state are made from.
-struct Slopes<'a> {
-    linearised: &'a Linearised,
-    variants: &'a Variants<'a>,
-    scalars: &'a [Scalar],
-    multipliers: &'a [Multipliers],
-    /// Slopes of the Lagrangians by the positions of the nodes at rest, if they are known.
-    by_nodes: Option<&'a [Vec<[f64; 3]>]>,
-    at: LoadParameter,
-}
-
-impl Slopes<'_> {
-    /// The derivatives by a length that moves nodes and changes nothing else; `None` for others, and where the slopes by the nodes are not known.
-    fn by_nodes(&self, variable: &Variable) -> Result<Option<Vec<f64>>, String> {
-        let Self { linearised, variants, scalars, .. } = self;
-        let Some(by_nodes) = self.by_nodes.filter(|_| variants.is_of_shape(variable)) else { return Ok(None) };
-        let (step, base) = (variants.step(variable), variants.problem());
-        let (high, _) = variants.with(variable, variable.value + step, self.at)?;
-        if (Problem { mesh: Arc::clone(&base.mesh), ..high.clone() }) != *base {
-            return Ok(None);
-        }
-        let with = |steps: f64| -> Result<Problem, String> {
-            Ok(Problem { mesh: variants.mesh_with(variable, variable.value + steps * step)?, ..base.clone() })
-        };
-        let [far_low, low, far_high] = [with(-2.0)?, with(-1.0)?, with(2.0)?];
-        // Nodes move evenly with a length.
-        let ends = low.mesh.nodes.as_flattened().iter().zip(high.mesh.nodes.as_flattened());
-        let motion: Vec<f64> = ends.map(|(low, high)| (high - low) / (2.0 * step)).collect();
-        let frozen = Frozen {
-            displacement: linearised.displacement().to_vec(),
-            cavity_pressures: vec![Pressure::default(); base.cavities.len()],
-            lagrangians: Vec::new(),
-        };
-        let slope = |(scalar, by_nodes): (&Scalar, &Vec<[f64; 3]>)| {
-            let at = |problem: &Problem| scalar.explicit(problem, &frozen).map_err(|error| error.to_string());
-            let explicit = extrapolated([at(&low)?, at(&high)?], [at(&far_low)?, at(&far_high)?], step);
-            let along = by_nodes.as_flattened().iter().zip(&motion).map(|(slope, motion)| slope * motion);
-            Ok(explicit + along.sum::<f64>())
-        };
-        scalars.iter().zip(by_nodes).map(slope).collect::<Result<Vec<f64>, String>>().map(Some)
-    }
-
-    /// The derivatives of all results by a number: central differences of the Lagrangians, extrapolated where these are not linear in it.
-    fn by(&self, variable: &Variable) -> Result<Vec<f64>, String> {
-        if let Some(slopes) = self.by_nodes(variable)? {
-            return Ok(slopes);
-        }
-        let step = self.variants.step(variable);
-        let at = |steps: f64| self.lagrangians(variable, variable.value + steps * step);
-        let [low, high] = [at(-1.0)?, at(1.0)?];
-        if variable.kind == Kind::Linear {
-            return Ok(low.iter().zip(&high).map(|(low, high)| (high - low) / (2.0 * step)).collect());
-        }
-        let [far_low, far_high] = [at(-2.0)?, at(2.0)?];
-        let slope = |i: usize| extrapolated([low[i], high[i]], [far_low[i], far_high[i]], step);
-        Ok((0..self.scalars.len()).map(slope).collect())
-    }
-
-    fn lagrangians(&self, variable: &Variable, value: f64) -> Result<Vec<f64>, String> {
-        let (problem, at) = self.variants.with(variable, value, self.at)?;
-        let frozen = self.linearised.frozen(&problem, at, self.multipliers).map_err(|cause| cause.to_string())?;
-        let frozen: Frozen = frozen.ok_or("a point that touches slides off its face")?;
-        let of_scalar = |(scalar, lagrangian): (&Scalar, &f64)| {
-            scalar.explicit(&problem, &frozen).map(|explicit| explicit + lagrangian).map_err(|error| error.to_string())
-        };
-        self.scalars.iter().zip(&frozen.lagrangians).map(of_scalar).collect()
-    }
-}
-
-/// The derivative from values at ± one step and at ± two (Richardson): what is left is of the fourth order in the step.
-fn extrapolated([low, high]: [f64; 2], [far_low, far_high]: [f64; 2], step: f64) -> f64 {
-    (8.0 * (high - low) - (far_high - far_low)) / (12.0 * step)
 }
 
 fn gradient(

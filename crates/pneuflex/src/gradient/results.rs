@@ -168,6 +168,55 @@ impl Scalar {
         Ok(Objective { by_pressure, reactions: reactions.unwrap_or_default(), ..objective })
     }
 
+    /// Its slope by the places of nodes, where it is a function of where these are now: 0 where all of it is found by the adjoint. `None` where it also
+    /// depends on where they were at rest.
+    ///
+    /// # Errors
+    /// As [`Self::objective`]; what there is no such slope of.
+    pub fn slope_by_positions(
+        &self,
+        problem: &Problem,
+        displacement: &[[f64; 3]],
+    ) -> Result<Option<Vec<[f64; 3]>>, PostError> {
+        let mut slope = vec![[0.0; 3]; displacement.len()];
+        for (weight, part) in &self.parts {
+            let gradient = match part {
+                Part::Volume => measures::cavity_volume_gradient(problem, displacement)?,
+                Part::VolumeOf(number) => {
+                    let cavity = &problem.cavities[*number];
+                    measures::volume_gradient(problem, cavity, displacement)?.unwrap_or_default()
+                }
+                Part::Gap(gap) => gap.gradient(problem, displacement)?,
+                Part::Displacement(..) | Part::Pressure(_) | Part::Reaction(..) | Part::Obstacle(..) | Part::Energy => {
+                    continue;
+                }
+                Part::EndFaceAngle
+                | Part::ChordAngle
+                | Part::Centreline(..)
+                | Part::SolidVolume
+                | Part::Mass
+                | Part::Peak(_) => return Ok(None),
+            };
+            add(&mut slope, *weight, &gradient);
+        }
+        Ok(Some(slope))
+    }
+
+    /// Refuses the result of a name that has no derivative by the places of nodes at rest.
+    ///
+    /// # Errors
+    /// One that depends on all of them by itself, as volumes of elements do.
+    pub fn check_shape(name: &str, problem: &Problem) -> Result<(), InputError> {
+        let rest = vec![[0.0; 3]; problem.mesh.num_nodes()];
+        match beside_columns(name, problem, &rest)? {
+            Some((_, Part::SolidVolume | Part::Mass | Part::Peak(_))) => Err(refused(
+                name,
+                "it is a sum over the volumes of all elements at rest, which is not differentiated by nodes",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// The parts that the adjoint does not evaluate, of a problem at the frozen unknowns.
     ///
     /// # Errors

@@ -83,7 +83,7 @@ fn derivatives_of_linear_elements_are_those_of_differences() {
         "material.c10",
         "material.bulk_modulus",
         "contact.stiffness",
-        "obstacle[0].point.z",
+        "obstacle.table.point.z",
         "load.pressure_kpa",
     ];
     assert!(touches(&compare(&touching("hex8-sri", "4.5"), &OF_CASE, &keys)));
@@ -110,6 +110,59 @@ fn lengths_count_by_their_nodes() {
             }
         }
     }
+}
+
+/// The places of a few nodes at rest, against differences of whole runs: one of the wall in contact, one of the end face, one inside, the tip's.
+#[test]
+fn derivatives_by_nodes_are_those_of_differences() {
+    let analysis = touching("hex8-sri", "9");
+    let tight = analysis.to_tight_tolerances(*analysis.requested.last().unwrap());
+    let columns = [
+        "end_face_angle",
+        "tip.z",
+        "cavity_volume",
+        "force",
+        "strain_energy",
+        "centreline[60%].z",
+        "smallest_gap[0.02]",
+    ];
+    let fields = tight.solve().unwrap().fields;
+    let found = tight.shape_gradients(&fields, &requests(&columns)).unwrap();
+    let mesh = &tight.problem.mesh;
+    let height = |node: &&u32| mesh.nodes[**node as usize][2];
+    // Not the tip, whose displacement is read off its place.
+    let end = mesh.node_set("end_face").iter().max_by(|a, b| height(a).total_cmp(&height(b)));
+    let end = *end.unwrap() as usize;
+    let wall = mesh.facet_nodes(mesh.facet_set("gap_1_left")[1])[0] as usize;
+    let tip = *pneuflex_post::measures::centreline_nodes(&tight.problem).last().unwrap() as usize;
+    let tip_of = Tip::of_analysis(&tight);
+    for (node, axis) in [(wall, 0), (end, 2), (tip, 0), (mesh.num_nodes() / 2, 2)] {
+        let step = 1e-3;
+        let values = |steps: f64| -> Vec<f64> {
+            let mut moved = tight.clone();
+            std::sync::Arc::make_mut(&mut moved.problem.mesh).nodes[node][axis] += steps * step;
+            let solution = moved.solve().unwrap();
+            let state = (&solution.fields[0], &solution.states[0]);
+            columns.iter().map(|column| Scalar::find(column, state, &moved, &tip_of).unwrap().value).collect()
+        };
+        let [near, far] = [[values(-1.0), values(1.0)], [values(-2.0), values(2.0)]];
+        for (i, gradient) in found.iter().enumerate() {
+            let at = |ends: &[Vec<f64>; 2]| [ends[0][i], ends[1][i]];
+            let expected = slopes::extrapolated(at(&near), at(&far), step);
+            let largest = gradient.by_node.as_flattened().iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+            let apart = (gradient.by_node[node][axis] - expected).abs() / largest;
+            assert!(apart < CLOSE && largest > 0.0, "{} by {axis} of {node}: {apart:.1e} of {largest}", gradient.of);
+        }
+    }
+    for (column, words) in
+        [("von_mises_norm[12]", "not differentiated by nodes"), ("silicone_volume", "volumes of all")]
+    {
+        let error = tight.shape_gradients(&fields, &requests(&[column])).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let model = Study::from_text("model.toml", MODEL).unwrap().build().unwrap();
+    let error = model.check_shape_gradients(&requests(&["probe.end.x"])).unwrap_err().to_string();
+    assert!(error.starts_with("load: forces, tractions and weight"), "{error}");
 }
 
 #[test]
@@ -183,12 +236,15 @@ fn derivatives_of_a_model_are_those_of_differences() {
         "actuator.base",
         "material.mu[2]",
         "material.alpha[1]",
-        "region[0].material.shear_modulus",
+        "region.sole.material.shear_modulus",
         "region[0].material.density",
         "cavity[0].exponent",
         "pressure[0].pressure_kpa",
         "gravity.acceleration.z",
         "support[0].displacement.z",
+        // Both together, and a list's entry by its number.
+        "actuator.side_wall + actuator.top_wall",
+        "gravity.acceleration[3]",
     ];
     compare(&analysis, &results, &keys);
 }
@@ -234,6 +290,9 @@ fn what_has_no_derivative_is_refused_by_name() {
         ("actuator.chambers", "no number of this file"),
         ("actuator.side_wall[1]", "would be slivers"),
         ("actuator.flange", "planes that part"),
+        ("actuator.base + actuator.top_wall", "actuator.base is 4 and actuator.top_wall is 1"),
+        ("actuator.base + material.c10", "are not of one kind"),
+        ("obstacle[3].radius", "obstacle has entries from 0 to 0"),
     ] {
         let error = by(&analysis, key);
         assert!(error.contains(words), "{key}: {error}");

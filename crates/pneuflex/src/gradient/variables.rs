@@ -2,6 +2,8 @@
 
 use toml::Value;
 
+use crate::document::place::Step;
+
 /// A number of a case or model file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variable {
@@ -13,15 +15,29 @@ pub(super) struct Variable {
     pub unit: &'static str,
     /// How far it is changed for a difference.
     pub kind: Kind,
-    /// Where it stands in the document.
-    pub place: Vec<Step>,
+    /// Where it stands in the document; several places of numbers that are changed together.
+    pub places: Vec<Vec<Step>>,
 }
 
-/// A step on the way to a number in a document.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
-    Key(String),
-    Item(usize),
+impl Variable {
+    /// This one and another, which has the same value, as one that changes both.
+    ///
+    /// # Errors
+    /// Why the two cannot be one, in words.
+    pub fn linked_to(mut self, other: Self) -> Result<Self, String> {
+        if self.unit != other.unit || [self.kind, other.kind].contains(&Kind::Path) {
+            return Err(format!("{} and {} are not of one kind", self.key, other.key));
+        }
+        if (self.value - other.value).abs() > SAME * self.value.abs() {
+            return Err(format!("{} is {} and {} is {}", self.key, self.value, other.key, other.value));
+        }
+        if other.kind != self.kind {
+            self.kind = Kind::Share;
+        }
+        self.key = format!("{}{LINK}{}", self.key, other.key);
+        self.places.extend(other.places);
+        Ok(self)
+    }
 }
 
 /// How far a number is changed for a difference.
@@ -36,6 +52,12 @@ pub(super) enum Kind {
     /// The position on the load path.
     Path,
 }
+
+/// What is between the keys of numbers that are changed together.
+pub(super) const LINK: char = '+';
+
+/// Numbers are one up to this share.
+const SAME: f64 = 1e-12;
 
 /// A table of numbers that are all of one kind, and their unit.
 const TABLES: [(&str, &[&str], Kind, &str); 17] = [
@@ -136,5 +158,5 @@ fn variable(place: &[Step], value: f64) -> Option<Variable> {
             Step::Item(item) => key += &format!("[{}]", item + 1),
         }
     }
-    Some(Variable { key, value, unit, kind: *kind, place: place.to_vec() })
+    Some(Variable { key, value, unit, kind: *kind, places: vec![place.to_vec()] })
 }

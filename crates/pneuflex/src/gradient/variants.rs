@@ -12,8 +12,9 @@ use pneuflex_model::{Case, CaseError, Clock, Curve, LoadParameter, Problem};
 use pneuflex_newton::glued;
 use toml::Value;
 
-use super::variables::{Kind, Step, Variable, collect};
+use super::variables::{Kind, LINK, Variable, collect};
 use crate::analysis::{Analysis, Description};
+use crate::document::place::{self, Step};
 use crate::input_error::{InputError, InputErrorKind};
 use crate::vocabulary::Vocabulary;
 
@@ -66,20 +67,30 @@ impl<'a> Variants<'a> {
         found
     }
 
-    /// The variable of a key at a position on the load path.
+    /// The variable of a key at a position on the load path; of several keys with `+` between them, the one that changes all of them.
     ///
     /// # Errors
-    /// A key that does not exist, or is no number that results can be differentiated by.
+    /// A key that does not exist, or is no number that results can be differentiated by; keys of several values.
     pub fn find(&self, key: &str, at: LoadParameter) -> Result<Variable, InputError> {
-        let all = self.all(at);
-        if let Some(found) = all.iter().find(|variable| variable.key == key) {
+        let mut linked = key.split(LINK).map(|key| self.find_one(key.trim(), at));
+        let first = linked.next().unwrap_or_else(|| self.find_one(key, at))?;
+        let refused = |why: String| InputError::new(format!("no derivative by {key}: {why}")).of_key(key);
+        let found = linked.try_fold(first, |found, next| found.linked_to(next?).map_err(refused))?;
+        Ok(Variable { key: key.to_owned(), ..found })
+    }
+
+    fn find_one(&self, key: &str, at: LoadParameter) -> Result<Variable, InputError> {
+        let (all, path) = (self.all(at), self.path(at));
+        let place = place::resolve(&self.document, key);
+        let is_there = |variable: &&Variable| place.as_ref().is_ok_and(|place| variable.places == [place.clone()]);
+        let is_path = |variable: &&Variable| variable.kind == Kind::Path && variable.key == key;
+        if let Some(found) = all.iter().find(|variable| is_there(variable) || is_path(variable)) {
             return Ok(found.clone());
         }
-        if let Some(entry) = self.entry(key, &all) {
+        if let Some(entry) = place.as_ref().ok().and_then(|place| self.entry(key, place, &all)) {
             return Ok(entry);
         }
         let refused = |why: String| InputError::new(format!("no derivative by {key}: {why}")).of_key(key);
-        let path = self.path(at);
         if key == path.key {
             return Err(refused(format!("a load has a corner at {}", self.analysis.problem.clock.words(at))));
         }
@@ -92,33 +103,19 @@ impl<'a> Variants<'a> {
             _ => {
                 let known: Vec<&str> = all.iter().map(|variable| variable.key.as_str()).collect();
                 let help = format!("there are {}", known.join(", "));
-                let why = "it is no number of this file that results depend on smoothly";
-                return Err(refused(why.to_owned()).of_kind(InputErrorKind::Unknown).with_help(Some(help)));
+                let why = "it is no number of this file that results depend on smoothly".to_owned();
+                return Err(refused(place.err().unwrap_or(why)).of_kind(InputErrorKind::Unknown).with_help(Some(help)));
             }
         };
         Err(refused(why))
     }
 
-    /// One chamber's entry, from 1, of a length that is given for all of them.
-    fn entry(&self, key: &str, all: &[Variable]) -> Option<Variable> {
-        let (list, number) = key.strip_suffix(']')?.rsplit_once('[')?;
-        let number: usize = number.parse().ok()?;
-        let common = all.iter().find(|variable| variable.key == list)?;
-        let per_chamber = self.analysis.actuator()?.per_chamber();
-        let is_length = per_chamber.into_iter().any(|(name, _)| list == format!("actuator.{name}"));
-        let is_one = is_length || list == "load.chamber_factor";
-        if !is_one || number == 0 || number > self.count(list)? {
-            return None;
-        }
-        let mut place = common.place.clone();
-        place.push(Step::Item(number - 1));
-        Some(Variable { key: key.to_owned(), place, ..common.clone() })
-    }
-
-    /// Entries that a length for all chambers stands for.
-    fn count(&self, list: &str) -> Option<usize> {
-        let chambers = self.analysis.actuator()?.chambers;
-        Some(if list == "actuator.gap" { chambers.saturating_sub(1) } else { chambers })
+    /// One chamber's entry of a length or factor that is given for all of them by one number.
+    fn entry(&self, key: &str, place: &[Step], all: &[Variable]) -> Option<Variable> {
+        let (_, list) = place.split_last()?;
+        place::entries(&self.document, list)?;
+        let common = all.iter().find(|variable| variable.places == [list.to_vec()])?;
+        Some(Variable { key: key.to_owned(), places: vec![place.to_vec()], ..common.clone() })
     }
 
     /// The position on the load path as a variable.
@@ -127,7 +124,7 @@ impl<'a> Variants<'a> {
             Clock::Pressure => ("load.pressure_kpa", "kPa"),
             Clock::Steps => ("load.times", ""),
         };
-        Variable { key: key.to_owned(), value: at.0, unit, kind: Kind::Path, place: Vec::new() }
+        Variable { key: key.to_owned(), value: at.0, unit, kind: Kind::Path, places: Vec::new() }
     }
 
     /// Whether what drives the body has no derivative by the position on the path there.
@@ -193,13 +190,18 @@ impl<'a> Variants<'a> {
 
     /// Whether a variable is a length of the body.
     pub fn is_of_shape(&self, variable: &Variable) -> bool {
-        variable.place.first() == Some(&Step::Key("actuator".to_owned()))
+        let is_of_actuator = |place: &Vec<Step>| place.first() == Some(&Step::Key("actuator".to_owned()));
+        !variable.places.is_empty() && variable.places.iter().all(is_of_actuator)
     }
 
     /// The file with another value of a variable.
     fn changed(&self, variable: &Variable, value: f64) -> Result<Changed, String> {
         let mut document = self.document.clone();
-        self.set(&mut document, variable, value).ok_or("there is no such number")?;
+        let places = variable.places.iter();
+        places
+            .map(|place| self.set(&mut document, place, value))
+            .collect::<Option<()>>()
+            .ok_or("there is no such number")?;
         let said = |error: toml::de::Error| error.message().to_owned();
         let (changed, problems) = match &self.analysis.description {
             Description::Actuator(_) => {
@@ -264,21 +266,21 @@ impl<'a> Variants<'a> {
     }
 
     /// Sets a number of a document; an entry of what is one number for all chambers makes a list of it.
-    fn set(&self, document: &mut Value, variable: &Variable, value: f64) -> Option<()> {
-        let mut place = document;
-        for step in &variable.place {
-            place = match step {
-                Step::Key(key) => place.get_mut(key)?,
+    fn set(&self, document: &mut Value, place: &[Step], value: f64) -> Option<()> {
+        let mut here = document;
+        for (i, step) in place.iter().enumerate() {
+            here = match step {
+                Step::Key(key) => here.get_mut(key)?,
                 Step::Item(item) => {
-                    if let Some(number) = place.as_float() {
-                        let list = variable.key.rsplit_once('[')?.0;
-                        *place = Value::Array(vec![Value::Float(number); self.count(list)?]);
+                    if let Some(number) = here.as_float() {
+                        let count = place::entries(&self.document, &place[..i])?;
+                        *here = Value::Array(vec![Value::Float(number); count]);
                     }
-                    place.get_mut(*item)?
+                    here.get_mut(*item)?
                 }
             };
         }
-        *place = Value::Float(value);
+        *here = Value::Float(value);
         Some(())
     }
 }

@@ -282,6 +282,41 @@ class Study:
         values, rows = outcome.gradients(list(results), list(keys))
         return np.array(values), np.array(rows).reshape(len(values), len(keys))
 
+    def value_and_shape_grad(
+        self, results: Sequence[str], *, threads: int | None = None, force: bool = False
+    ) -> tuple[Floats, Floats]:
+        """Solves it, and gives results with their exact derivatives by the position of every node at rest.
+
+        Parameters
+        ----------
+        results
+            As of :meth:`value_and_grad`.
+        threads, force
+            As of :meth:`solve`.
+
+        Returns
+        -------
+        values, derivatives
+            Numbers of shape (results,), and (results, nodes, 3), in the results' units per mm; nodes are those of :meth:`mesh`, and of a half model those of the
+            other half move as their mirror images do.
+
+        Raises
+        ------
+        InputError
+            A result without such derivatives, as of loads that are spread by areas at rest, or as :meth:`check`.
+        NotConverged, Interrupted
+            As of :meth:`solve`.
+        """
+        if isinstance(results, str):
+            raise InputError("value_and_shape_grad: a list of names is wanted, not a text")
+        hearing = Hearing(threads, False, None)
+        analysis = self._study.build(force, hearing.threads)
+        analysis.check_shape_gradients(list(results))
+        outcome = follow(self._study, analysis, hearing, out=None, resumes=False, fields=True)._outcome
+        assert outcome is not None
+        values, rows = outcome.shape_gradients(list(results))
+        return np.array(values), np.array(rows).reshape(len(values), -1, 3)
+
     def _solve_in_sweep(
         self, threads: int, out: str | None, neighbour: tuple[str, str] | None, keeps_equilibria: bool
     ) -> Result:

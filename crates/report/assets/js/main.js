@@ -15,7 +15,7 @@ import { Viewer } from "pneuflex/viewer";
 const data = readData();
 const clock = new Clock(data.clock, data.series.times, data.series.on_the_way);
 const transport = new Transport(clock, data.series);
-drawPlots(document.getElementById("plots"), document.getElementById("more-plots"), data.series, clock);
+drawPlots(document.getElementById("plots"), document.getElementById("more-plots"), data.series, clock, data.wanted);
 
 let viewer = null;
 if (data.body && hasWebGL()) {

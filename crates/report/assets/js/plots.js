@@ -24,12 +24,12 @@ function scale([low, high], [from, to]) {
 /** A drawing of one or more curves. Subclasses say where they are at a time (`points`) and in words (`texts`). */
 class Plot {
   /**
-   * @param labels `name`, `unit`, `names` of several curves (else none), `xLabel`
+   * @param labels `name`, `unit`, `names` of several curves (else none), `xLabel`, lines that are `wanted`
    * @param curve all numbers of the plot by time
    * @param range `ticks` along x and y, and `ends` of the axes
    */
-  constructor({ name, unit, names = [], xLabel, size = SIZE }, clock, curve, range) {
-    Object.assign(this, { name, unit, names, clock, curve, size });
+  constructor({ name, unit, names = [], xLabel, size = SIZE, wanted = [] }, clock, curve, range) {
+    Object.assign(this, { name, unit, names, clock, curve, size, wanted });
     [this.xTicks, this.yTicks] = range.ticks;
     const { width, height, left, right, top, bottom } = size;
     this.x = scale(range.ends[0], [left, width - right]);
@@ -111,7 +111,7 @@ class Plot {
   description() {
     const { highest } = this.clock;
     const [from, to] = [0, highest].map((time) => this.texts(time));
-    const curves = from.map((text, i) => `${this.prefix(i)}from ${text} at rest to ${to[i]}`);
+    const curves = from.map((text, i) => `${this.prefix(i)}from ${text} ${this.clock.rest} to ${to[i]}`);
     return `${this.name}: ${curves.join(", ")} at ${this.clock.writtenWords(highest)}`;
   }
 
@@ -272,7 +272,7 @@ class Over extends InPlane {
   }
 }
 
-/** The bottom centreline: faint at the computed times, strong at the present one, with the path of its tip. */
+/** The bottom centreline: faint at the computed times, strong at the present one, with the path of its tip; dashed what it is to follow. */
 class Shape extends InPlane {
   texts(time) {
     const [x, z] = this.at(time).slice(-2);
@@ -286,6 +286,7 @@ class Shape extends InPlane {
     return path(Array.from({ length: line.length / 2 }, (_, i) => [this.x(line[2 * i]), this.y(line[2 * i + 1])]));
   }
   lines() {
+    for (const line of this.wanted) this.drawing.append(svg("path", { class: "shape wanted", d: this.path(line) }));
     for (const time of this.clock.computed) this.drawing.append(svg("path", { class: "shape", d: this.path(this.at(time)) }));
     super.lines();
     this.shape = svg("path", { class: "shape present" });
@@ -334,16 +335,16 @@ function draw(places, { name, unit, from_zero: fromZero, over, curves }, clock) 
   return new AgainstTime({ name, unit, names, xLabel: clock.label }, clock, curve, range);
 }
 
-function drawShape(places, lines, clock) {
-  const [xs, zs] = [0, 1].map((d) => lines.flatMap((line) => line.map((point) => point[d])));
+function drawShape(places, lines, clock, wanted) {
+  const [xs, zs] = [0, 1].map((d) => [...lines, ...wanted].flatMap((line) => line.map((point) => point[d])));
   const { size, range } = evenly(xs, zs);
-  const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size };
+  const labels = { name: "Bottom line", unit: "z over x in mm", xLabel: "x, mm", size, wanted: wanted.map((line) => line.flat()) };
   const flat = lines.map((line) => line.flat());
   return new Shape(labels, clock, new Lines(places, flat[0].map((_, i) => flat.map((line) => line[i]))), range);
 }
 
 /** Draws all plots into `beside` and, as far as there is no room there, `below`; `series` is the data's. */
-export function drawPlots(beside, below, series, clock) {
+export function drawPlots(beside, below, series, clock, wanted = []) {
   if (clock.computed.length < 2) {
     beside.textContent = "There is nothing to plot: the body stayed at rest.";
     return;
@@ -351,7 +352,7 @@ export function drawPlots(beside, below, series, clock) {
   const { places } = series;
   const drawOne = (plot) => draw(places, plot, clock);
   const plots = series.plots.map(drawOne);
-  if (series.centrelines) plots.splice(1, 0, drawShape(places, series.centrelines, clock));
+  if (series.centrelines) plots.splice(1, 0, drawShape(places, series.centrelines, clock, wanted));
   const own = ownPlot(series, clock, drawOne);
   const kinds = places.length > clock.computed.length ? ": large ones where there are fields, small ones at load steps on the way" : "";
   const note = Object.assign(document.createElement("p"), { className: "note", textContent: `Dots are computed${kinds}. Straight lines only join them.` });

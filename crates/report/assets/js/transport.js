@@ -12,12 +12,12 @@ const FEWEST = 24;
 /** The time shown: the parameter that results depend on, whatever its name. */
 export class Clock {
   /**
-   * @param {{name: string, unit: string, parameters?: number[]}} what what it stands for, and its values where they turn back
+   * @param {{name: string, unit: string, rest?: string, decimals?: number, parameters?: number[]}} what what it stands for, what is at zero, and its values where they turn back
    * @param {number[]} computed rest and the computed times
    * @param {number} onTheWay how many of them, at the end, were not asked for
    */
   constructor(what, computed, onTheWay = 0) {
-    Object.assign(this, what);
+    Object.assign(this, { rest: "at rest" }, what);
     this.computed = computed;
     /** The parameter along the path, where it turns back. */
     this.course = what.parameters && new Lines(computed, [what.parameters]);
@@ -29,7 +29,7 @@ export class Clock {
     /** What stands along an axis. */
     this.label = this.unit ? `${this.name}, ${this.unit}` : this.name;
     // A hundredth of a schedule is worth showing.
-    this.decimals = this.unit ? 1 : decimalsFor(Math.max(...(what.parameters ?? computed)), 3);
+    this.decimals = what.decimals ?? (this.unit ? 1 : decimalsFor(Math.max(...(what.parameters ?? computed)), 3));
   }
 
   /** The parameter at a place of the slider. */
@@ -126,7 +126,7 @@ export class Transport {
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: text });
     button.style.setProperty("--share", this.clock.highest ? value / this.clock.highest : 0);
     button.classList.toggle("on-the-way", onTheWay);
-    button.setAttribute("aria-label", value ? clock.writtenWords(value) + (onTheWay ? ", on the way" : "") : "At rest");
+    button.setAttribute("aria-label", value ? clock.writtenWords(value) + (onTheWay ? ", on the way" : "") : clock.rest);
     button.addEventListener("click", () => this.choose(value));
     return button;
   }
@@ -162,7 +162,7 @@ export class Transport {
     const k = interval(computed, value);
     const isComputed = this.clock.isComputed();
     this.origin.textContent = isComputed
-      ? value === 0 ? "at rest" : clock.isOnTheWay(value) ? "computed, on the way" : "computed"
+      ? value === 0 ? clock.rest : clock.isOnTheWay(value) ? "computed, on the way" : "computed"
       : `interpolated between ${clock.written(computed[k])} and ${clock.written(computed[k + 1])}`;
     this.origin.classList.toggle("interpolated", !isComputed);
     this.slider.setAttribute("aria-valuetext", `${clock.words(value)}, ${this.origin.textContent}`);
