@@ -6,8 +6,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use pneuflex::plot::PlotError;
-use pneuflex::plot::chart::{Tornado, TornadoBar};
 use pneuflex::plot::drawing::Drawing;
+use pneuflex::plot::tornado::{Tornado, TornadoBar};
 use pneuflex::{Error, json};
 use pneuflex_inverse::search::base;
 use pneuflex_inverse::uncertainty::{Contribution, Sampled, Spread, Tolerances, Tolerated, Uncertainty};
