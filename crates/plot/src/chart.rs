@@ -498,7 +498,7 @@ impl Tornado {
             return Err(PlotError::NotDrawable { what: format!("a chart {} px wide", self.width) });
         }
         // Enough to tell the ends of bars apart.
-        let decimals = (3.0 - (axis.high - axis.low).log10()).clamp(1.0, 9.0) as usize;
+        let decimals = (2.5 - (axis.high - axis.low).log10()).clamp(1.0, 9.0) as usize;
         // Room for the numbers at the ends of the bars.
         let room = 44.0 / width * (axis.high - axis.low);
         (axis.low, axis.high) = (axis.low - room, axis.high + room);

@@ -382,7 +382,7 @@ fn what_stands_in_one_of_several_tables_is_set_by_its_number_or_name() {
         ("obstacle.box.radius", "1", "no entry with the name \"box\": there are table, ball"),
         ("obstacle[0].point.w", "1", "obstacle[0].point has x, y and z"),
         ("obstacle[0].centre.x", "1", "obstacle[0].centre is not given"),
-        ("obstacle[1].radius", "-1", "obstacle[1].radius = -1 is out of range"),
+        ("obstacle[1].radius", "-1", "obstacle[1].radius = -1.0 is out of range"),
         ("obstacle[1].radius", "wide", "obstacle[1].radius: wrong type: string \"wide\", expected a number"),
         ("obstacle[1].raduis", "1", "unknown key `obstacle[1].raduis`"),
         ("obstacle[1].centre.z", "nan", "obstacle[1].centre"),

@@ -202,20 +202,29 @@ fn a_search_begins_as_often_as_is_asked_for_and_keeps_the_best_end() {
     fs::write(scratch.path("goal.toml"), format!("starts = 2\nsolutions = 2\n{head}{place}{tail}")).unwrap();
     let ended = scratch.run(&["design", "goal.toml"]);
     assert_eq!(ended.code, 3, "{ended:?}");
-    for words in ["start 1 of 2, solution 1: ", "start 2 of 2, solution 3: "] {
+    // Between them a table that the piece does not reach: without a force that has none has no derivative, either.
+    for words in [
+        "start 1 of 2, solution 1: ",
+        "start 2 of 2, solution 3: none, beginning elsewhere",
+        "start 2 of 2, solution 5: ",
+    ] {
         assert!(ended.err.contains(words), "{words}: {ended:?}");
     }
-    assert!(ended.out.contains("start 2: objective ") && ended.out.matches(", the best").count() == 1, "{ended:?}");
+    assert!(
+        ended.out.contains("start 2: no results\nstart 3: objective ") && ended.out.matches(", the best").count() == 1,
+        "{ended:?}"
+    );
     let found = json(&scratch, "out/goal/designed.json");
-    let objective = |start: usize| found["starts"][start]["objective"].as_f64().unwrap();
-    let best = found["starts"].as_array().unwrap().iter().position(|start| start["is_best"] == true).unwrap();
-    assert!(objective(best) <= objective(1 - best), "{found}");
+    let starts = found["starts"].as_array().unwrap();
+    let best = starts.iter().find(|start| start["is_best"] == true).unwrap()["objective"].as_f64().unwrap();
+    let objectives: Vec<f64> = starts.iter().filter_map(|start| start["objective"].as_f64()).collect();
+    assert!(objectives.len() == 2 && objectives.iter().all(|objective| best <= *objective), "{found}");
     let written = fs::read_to_string(scratch.path("out/goal/case.toml")).unwrap();
     assert!(written.contains(&format!("{}", found["values"][0]["value"])), "{written}");
     let page = fs::read_to_string(scratch.path("out/goal/report.html")).unwrap();
-    assert!(page.contains("Why it ended: not converged after 4 solutions") && page.contains("obstacle.table.point.z"));
+    assert!(page.contains("Why it ended: not converged after 5 solutions") && page.contains("obstacle.table.point.z"));
     let again = scratch.run(&["design", "goal.toml", "--resume"]);
-    assert_eq!(again.err.matches("(known)").count(), 4, "{again:?}");
+    assert_eq!(again.err.matches("(known)").count(), 5, "{again:?}");
     assert_eq!(json(&scratch, "out/goal/designed.json"), found);
     let text = fs::read_to_string(scratch.path("goal.toml")).unwrap();
     for (from, to, words) in [
